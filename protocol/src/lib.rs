@@ -1,0 +1,17 @@
+//! What is said on Ballroom's wire, and nothing else: no transport, no physics.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`scene`] | the scene file, version 1: what people write and viewers draw |
+//! | [`command`] | what a client may ask of a running arena, and the answer |
+//! | [`snapshot`] | the state of all balls at a tick |
+//! | [`event`] | one hit, with time, place and impulse |
+//! | [`stats`] | what the server says of itself once a second |
+//! | [`keys`] | the names under which all this travels |
+//! | [`codec`] | bytes to values and back; every limit on size stands there |
+
+pub mod command;
+pub mod event;
+pub mod scene;
+pub mod snapshot;
+pub mod stats;

@@ -1,0 +1,71 @@
+//! The state of all balls at a tick. Arrays have one entry a ball, in the order of `Roster::names`.
+
+use serde::{Deserialize, Serialize};
+
+/// All balls at one tick.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    /// Changes with every start and reset of the arena; ticks of different epochs do not compare.
+    pub epoch: u64,
+    /// Number of the tick since the epoch began.
+    pub tick: u64,
+    /// Simulated time.
+    pub time_s: f64,
+    /// Wall time at the server when the tick was done, nanoseconds since 1970.
+    pub wall_ns: u64,
+    /// Whether the clock stands.
+    pub paused: bool,
+    /// Total energy: translation, rotation, height.
+    pub energy_j: f64,
+    /// Ball-ball and ball-wall hits since the epoch began.
+    pub collisions: Collisions,
+    /// Hash of everything that influences the future.
+    pub state_hash: u64,
+    /// Parameters of the touching point.
+    pub uv: Vec<[f64; 2]>,
+    /// Centres.
+    pub center_m: Vec<[f64; 3]>,
+    /// Velocities of the centres.
+    pub velocity_m_per_s: Vec<[f64; 3]>,
+    /// Angular velocities.
+    pub omega_rad_per_s: Vec<[f64; 3]>,
+    /// Orientations, ball to world.
+    pub orientation_xyzw: Vec<[f64; 4]>,
+}
+
+/// Counts of hits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Collisions {
+    /// Between two balls.
+    pub ball_ball: u64,
+    /// Between a ball and a wall.
+    pub ball_wall: u64,
+}
+
+/// What does not change between ticks: who the balls are.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Roster {
+    /// Unique names, in byte order.
+    pub names: Vec<String>,
+    /// Radii.
+    pub radius_m: Vec<f64>,
+    /// Masses.
+    pub mass_kg: Vec<f64>,
+    /// Red, green, blue.
+    pub color_rgb: Vec<[u8; 3]>,
+    /// Whether a player may steer it.
+    pub player: Vec<bool>,
+}
+
+/// Everything a late joiner needs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct World {
+    /// The scene as served.
+    pub scene: crate::scene::Scene,
+    /// Who the balls are.
+    pub roster: Roster,
+    /// Ticks per simulated second.
+    pub tick_rate_hz: u32,
+    /// The newest state.
+    pub snapshot: Snapshot,
+}

@@ -1,0 +1,47 @@
+//! What the server says of itself once a second.
+
+use serde::{Deserialize, Serialize};
+
+/// Statistics of an arena.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Stats {
+    /// Epoch they belong to.
+    pub epoch: u64,
+    /// Newest tick.
+    pub tick: u64,
+    /// Ticks per simulated second.
+    pub tick_rate_hz: u32,
+    /// Whether the clock stands.
+    pub paused: bool,
+    /// Simulated seconds wanted per wall second.
+    pub speed_factor: f64,
+    /// Simulated seconds reached per wall second, over the last second.
+    pub real_time_factor: f64,
+    /// Ticks that ended after their deadline, since the server started.
+    pub overruns: u64,
+    /// Wall time of one tick over the last second, median, 99th percentile, largest.
+    pub tick_micros: [f64; 3],
+    /// Total energy now and at the epoch's start.
+    pub energy_j: [f64; 2],
+    /// Hits since the epoch began.
+    pub collisions: crate::snapshot::Collisions,
+    /// Deepest overlap found at an impact since the epoch began.
+    pub deepest_penetration_m: f64,
+    /// Hits slower than the rest speed, taken without rebound.
+    pub rest_hits: u64,
+    /// Times a ball was held for an engine quantum because hits piled up.
+    pub fallbacks: u64,
+    /// Ball-seconds during which the floor would have had to pull.
+    pub negative_reaction_s: f64,
+    /// Integration steps taken since the epoch began.
+    pub steps: u64,
+    /// Commands obeyed and refused since the server started.
+    pub commands_accepted: u64,
+    /// Refused: malformed, oversized, non-finite, unknown, or too many.
+    pub commands_refused: u64,
+    /// States published, and states overtaken by a newer one before they were sent.
+    pub states_published: u64,
+    /// See `states_published`.
+    pub states_skipped: u64,
+}
