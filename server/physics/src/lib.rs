@@ -1,1 +1,24 @@
-//! Placeholder.
+//! The engine room: balls rolling and colliding on Bezier floors, by event.
+//!
+//! No bytes, no time of day, no threads, no files, no I/O: a run is a function of the scene and of the
+//! pushes between ticks. SI units throughout.
+//!
+//! | room | question |
+//! |---|---|
+//! | [`surface`] | where a ball can be |
+//! | [`motion`] | how it moves |
+//! | [`detect`] | when something happens |
+//! | [`resolve`] | what happens then |
+//! | [`schedule`] | in which order |
+
+pub mod controller;
+pub mod diagnostics;
+pub mod scene;
+pub mod schedule;
+pub mod surface;
+pub mod tolerance;
+
+pub use controller::{BallState, Controller, Drive};
+pub use diagnostics::{Collisions, Hit, HitPartner, Report};
+pub use scene::{Accuracy, BallSpec, Floor, MotionLaw, Place, Scene, SceneFault, Scheme, Wall};
+pub use schedule::time::Time;

@@ -1,0 +1,60 @@
+//! What an advance reports.
+
+use crate::schedule::time::Time;
+use nalgebra::Vector3;
+
+/// Counts of hits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Collisions {
+    /// Between two balls.
+    pub ball_ball: u64,
+    /// Between a ball and a wall.
+    pub ball_wall: u64,
+}
+
+/// Whom a ball hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HitPartner {
+    /// A ball, by id.
+    Ball(usize),
+    /// A wall, by its place in the scene.
+    Wall(usize),
+}
+
+/// One hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// When.
+    pub time: Time,
+    /// Id of the ball.
+    pub ball: usize,
+    /// Whom it hit.
+    pub partner: HitPartner,
+    /// Where they touched, m.
+    pub point: Vector3<f64>,
+    /// Size of the impulse, N s.
+    pub impulse: f64,
+}
+
+/// What happened, summed since the controller was made. Differences of two reports tell of a span.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Hits.
+    pub collisions: Collisions,
+    /// Deepest overlap found at an impact, m.
+    pub deepest_penetration: f64,
+    /// Hits slower than the rest speed, taken without rebound.
+    pub rest_hits: u64,
+    /// Simultaneous impacts of more than one contact.
+    pub clusters: u64,
+    /// Times a ball was held for a quantum because hits piled up.
+    pub fallbacks: u64,
+    /// Ball-seconds during which the floor would have had to pull.
+    pub negative_reaction: f64,
+    /// Integration steps, kept and thrown away.
+    pub steps: u64,
+    /// Pairs looked at, and pairs whose distance polynomial was formed.
+    pub pairs: [u64; 2],
+    /// Hits left out of the list because it was full.
+    pub hits_dropped: u64,
+}

@@ -1,0 +1,2 @@
+//! In which order things happen.
+pub mod time;

@@ -1,0 +1,138 @@
+//! Simulated time: an integer count of a fixed quantum and an offset below one quantum.
+//!
+//! At t = 1e6 s an absolute f64 has only 1e-10 s left; this keeps 2^-59 s for ever. The quantum is the
+//! engine's own and the same for every tick rate, so that ticks never enter the arithmetic.
+
+use std::cmp::Ordering;
+
+/// Length of the quantum, s: 2^-6.
+pub const QUANTUM: f64 = 0.015_625;
+/// Quanta a second.
+pub const QUANTA_PER_SECOND: i64 = 64;
+
+/// A point in simulated time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Time {
+    quantum: i64,
+    offset: f64,
+}
+
+impl Time {
+    /// The start.
+    pub const ZERO: Self = Self { quantum: 0, offset: 0.0 };
+    /// Later than everything.
+    pub const NEVER: Self = Self { quantum: i64::MAX, offset: 0.0 };
+
+    /// The start of quantum number `quantum`.
+    pub const fn of_quantum(quantum: i64) -> Self {
+        Self { quantum, offset: 0.0 }
+    }
+
+    /// `seconds` after the start, exact to 2^-59 s for any finite argument below 1e17.
+    pub fn of_seconds(seconds: f64) -> Self {
+        Self::ZERO.after(seconds)
+    }
+
+    /// Tick `tick` of a clock with `rate_hz` ticks a second, rounded once.
+    pub fn of_tick(tick: u64, rate_hz: u32) -> Self {
+        let scaled = i128::from(tick) * i128::from(QUANTA_PER_SECOND);
+        let rate = i128::from(rate_hz.max(1));
+        let quantum = scaled / rate;
+        let rest = (scaled % rate) as f64;
+        Self { quantum: quantum as i64, offset: rest * QUANTUM / rate as f64 }.normalised()
+    }
+
+    /// Number of the quantum it lies in.
+    pub const fn quantum(self) -> i64 {
+        self.quantum
+    }
+
+    /// Seconds since that quantum began.
+    pub const fn offset(self) -> f64 {
+        self.offset
+    }
+
+    /// This time plus `seconds` (of either sign).
+    #[must_use]
+    pub fn after(self, seconds: f64) -> Self {
+        if seconds == f64::INFINITY || self.quantum == i64::MAX {
+            return Self::NEVER;
+        }
+        let whole = (seconds * QUANTA_PER_SECOND as f64).floor();
+        // Exact: the quantum is a power of two, and `whole` quanta lie within a quantum of `seconds`.
+        let rest = seconds - whole * QUANTUM;
+        Self { quantum: self.quantum + whole as i64, offset: self.offset + rest }.normalised()
+    }
+
+    /// Seconds from `earlier` to this time.
+    pub fn since(self, earlier: Self) -> f64 {
+        if self.quantum == i64::MAX {
+            return f64::INFINITY;
+        }
+        (self.quantum - earlier.quantum) as f64 * QUANTUM + (self.offset - earlier.offset)
+    }
+
+    /// Seconds since the start, rounded to an f64.
+    pub fn seconds(self) -> f64 {
+        self.since(Self::ZERO)
+    }
+
+    fn normalised(mut self) -> Self {
+        if self.offset >= QUANTUM {
+            self.offset -= QUANTUM;
+            self.quantum += 1;
+        } else if self.offset < 0.0 {
+            self.offset += QUANTUM;
+            self.quantum -= 1;
+            // A tiny negative offset rounds up to the whole quantum.
+            if self.offset >= QUANTUM {
+                self.offset = 0.0;
+                self.quantum += 1;
+            }
+        }
+        self
+    }
+}
+
+impl Eq for Time {}
+
+impl PartialOrd for Time {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Time {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.quantum.cmp(&other.quantum).then_with(|| self.offset.total_cmp(&other.offset))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_of_any_rate_meet_at_whole_seconds() {
+        for rate in [1, 30, 60, 144, 240, 1000] {
+            for second in [1_u64, 59, 3600, 1_000_000] {
+                assert_eq!(Time::of_tick(second * u64::from(rate), rate), Time::of_seconds(second as f64));
+            }
+        }
+    }
+
+    #[test]
+    fn a_common_tick_of_two_rates_is_one_time() {
+        for n in 0..10_000_u64 {
+            assert_eq!(Time::of_tick(n, 30), Time::of_tick(n * 8, 240));
+            assert_eq!(Time::of_tick(n, 60), Time::of_tick(n * 4, 240));
+        }
+    }
+
+    #[test]
+    fn a_million_seconds_in_an_offset_is_still_exact() {
+        let late = Time::of_quantum(64_000_000);
+        assert_eq!(late.after(1e-13).since(late), 1e-13);
+        assert_eq!(late.after(-1e-18), late);
+    }
+}

@@ -1,0 +1,2 @@
+//! Where a ball can be.
+pub mod bezier;
