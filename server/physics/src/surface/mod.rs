@@ -5,4 +5,6 @@
 
 pub mod bezier;
 pub mod chart;
+pub mod jet;
 pub mod place;
+mod polynomial;
