@@ -4,6 +4,7 @@
 //! polynomial that everything else reads. `rotation` turns a ball whose motion needs no stepping.
 
 pub mod arc;
+pub mod body;
 pub mod dop853;
 mod dop853_tableau;
 pub mod law;
