@@ -4,6 +4,7 @@
 use super::affine::Affine;
 use super::bezier::BezierPatch;
 use super::derivative_nets::{DerivativeNets, Derivatives, Rectangle};
+use crate::tolerance::{BRACKET_BOXES_MAX, BRACKET_FLAT, BRACKET_HALVINGS_MAX, BRACKET_WIDTH};
 use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -31,17 +32,6 @@ pub struct Certificate {
     pub boxes: usize,
 }
 
-/// A bracket is tight enough when it is this narrow, relative to its upper end. Less would cost boxes, more would
-/// refuse balls that fit.
-const TIGHT: f64 = 2e-4;
-/// Curvature times the floor's size below which a floor counts as flat: a bracket around 0 has no relative width.
-const FLAT: f64 = 1e-6;
-/// Boxes split in one search: half a second at degree 10 x 10. A search that runs out returns the wider bracket it has.
-const MOST_SPLITS: usize = 30_000;
-/// Halvings of one parameter. A box of 2^-26 is at the rounding of second derivatives; what is undecided there is
-/// degenerate.
-const MOST_HALVINGS: u32 = 26;
-
 /// Certifies a patch whose balls' side is the one towards `up` (against gravity, any length).
 pub fn certify(patch: &BezierPatch, up: &Vector3<f64>) -> Certificate {
     let orientation = patch.orientation(up);
@@ -58,7 +48,7 @@ pub fn certify(patch: &BezierPatch, up: &Vector3<f64>) -> Certificate {
     };
     let slope = maximise(&nets, cosine, |lower, upper| {
         // Once some slope is proved vertical nothing more is asked.
-        lower >= 0.0 || (upper < 0.0 && upper - lower <= TIGHT * lower.abs())
+        lower >= 0.0 || (upper < 0.0 && upper - lower <= BRACKET_WIDTH * lower.abs())
     });
     let regular = if slope.upper < 0.0 { Ok(()) } else { Err(slope.at) };
     let [curvature, convex] = [orientation, -orientation].map(|side| match regular {
@@ -79,11 +69,11 @@ pub fn certify(patch: &BezierPatch, up: &Vector3<f64>) -> Certificate {
 
 /// Bracket of the largest principal curvature towards one side (+1 or -1) of `S_u x S_v`.
 fn largest_curvature(patch: &BezierPatch, nets: &DerivativeNets, side: f64) -> Maximum {
-    let flat = FLAT / extent(patch);
+    let flat = BRACKET_FLAT / extent(patch);
     maximise(
         nets,
         |d| curvature_bound(d, side).unwrap_or(Bound::UNKNOWN),
-        |lower, upper| upper < f64::INFINITY && upper - lower.max(0.0) <= (TIGHT * upper).max(flat),
+        |lower, upper| upper < f64::INFINITY && upper - lower.max(0.0) <= (BRACKET_WIDTH * upper).max(flat),
     )
 }
 
@@ -206,8 +196,10 @@ fn maximise(
             break;
         };
         found.upper = top.upper;
-        let splittable = top.place.halvings.iter().all(|h| *h < MOST_HALVINGS);
-        if enough(found.lower, found.upper.max(found.lower)) || found.boxes >= 2 * MOST_SPLITS || !splittable
+        let splittable = top.place.halvings.iter().all(|h| *h < BRACKET_HALVINGS_MAX);
+        if enough(found.lower, found.upper.max(found.lower))
+            || found.boxes >= BRACKET_BOXES_MAX
+            || !splittable
         {
             if found.upper == f64::INFINITY {
                 found.at = top.place.middle();
