@@ -68,8 +68,7 @@ impl BezierPatch {
     pub fn jet(&self, u: f64, v: f64) -> Jet {
         let [p, q] = self.degree;
         let mut across = [[Vector3::zeros(); MAX_DEGREE + 1]; 3];
-        for i in 0..=p {
-            let row = &self.net[i * (q + 1)..][..=q];
+        for (i, row) in self.net.chunks_exact(q + 1).enumerate() {
             for (order, value) in curve_jet(row, v).into_iter().enumerate() {
                 across[order][i] = value;
             }
@@ -80,8 +79,8 @@ impl BezierPatch {
         Jet { point, du, dv, duu, duv, dvv }
     }
 
-    /// +1 where S_u x S_v points along `up` at the patch's middle, else -1. A floor keeps this sign everywhere, which
-    /// [`certify`](super::certify::certify) proves.
+    /// +1 where `S_u x S_v` points along `up` at the patch's middle, else -1. A floor keeps this sign everywhere,
+    /// which [`certify`](super::certify::certify) proves.
     pub fn orientation(&self, up: &Vector3<f64>) -> f64 {
         let jet = self.jet(0.5, 0.5);
         if jet.du.cross(&jet.dv).dot(up) < 0.0 { -1.0 } else { 1.0 }
@@ -98,8 +97,8 @@ impl BezierPatch {
         for line in 0..lines {
             let at = |k: usize| line * line_stride + k * stride;
             let mut work = [Vector3::zeros(); MAX_DEGREE + 1];
-            for k in 0..count {
-                work[k] = self.net[at(k)];
+            for (k, point) in work.iter_mut().enumerate().take(count) {
+                *point = self.net[at(k)];
             }
             for k in 0..count {
                 halves[0].net[at(k)] = work[0];
@@ -200,7 +199,8 @@ mod tests {
         let [p, q] = patch.degree();
         let basis = |n: usize, k: usize, t: f64| {
             let choose = (0..k).fold(1.0, |c, m| c * (n - m) as f64 / (m + 1) as f64);
-            choose * t.powi(k as i32) * (1.0 - t).powi((n - k) as i32)
+            let power = |x: f64, exponent: usize| (0..exponent).fold(1.0, |product, _| product * x);
+            choose * power(t, k) * power(1.0 - t, n - k)
         };
         let mut sum = Vector3::zeros();
         for i in 0..=p {
