@@ -194,3 +194,80 @@ fn chains_of_balls_with_gaps_are_exact() {
     assert!(worst < 1e-12, "{worst}");
     assert!(hits(&engine) > 20);
 }
+
+#[test]
+fn touching_balls_that_move_together_but_for_rounding_go_on_together() {
+    for noise in [0.0, 1e-15, -1e-15, 1e-13, 1e-9] {
+        let mut scene = plane(32.0);
+        for (n, excess) in [noise, 0.0, -noise].into_iter().enumerate() {
+            scene.balls.push(moving(&format!("{n}"), 0.5, center(n as f64, 0.0), 2.0 + excess, 0.0));
+        }
+        run(&scene, 60, 60, |tick, engine| {
+            for (n, ball) in engine.balls().iter().enumerate() {
+                let exact = n as f64 + 2.0 * tick as f64 / 60.0;
+                let error = (ball.center.x - exact).abs();
+                assert!(error < 1e-12 + noise.abs(), "noise {noise}, ball {n}, tick {tick}: {error}");
+            }
+        });
+    }
+}
+
+#[test]
+fn both_walls_of_a_corner_turn_a_ball_at_one_instant() {
+    for motion in [MotionLaw::Frictionless, MotionLaw::Rolling] {
+        let mut scene = graph(8.0, &[], motion);
+        scene.balls = vec![moving("ball", 0.5, center(4.5, 4.5), 3.0, 3.0)];
+        let mut worst = 0.0_f64;
+        run(&scene, 60, 1200, |tick, engine| {
+            let [x] = rods(&[(4.5, 3.0)], 0.5, [-8.0, 8.0], tick as f64 / 60.0)[..] else { unreachable!() };
+            worst = worst.max((engine.balls()[0].center - Vector3::new(x, x, 0.5)).norm());
+        });
+        assert!(worst < 1e-12, "{motion:?}: {worst}");
+    }
+}
+
+#[test]
+fn a_grazing_ball_hits_or_misses_as_it_should() {
+    // A ball passes another at rest at a distance of (1 + margin) diameters.
+    for exponent in 3..=14 {
+        for sign in [-1.0, 1.0] {
+            let margin = sign * 10.0_f64.powi(-exponent);
+            for offset in [0.0, 0.123, 0.777] {
+                let mut scene = plane(16.0);
+                scene.balls = vec![
+                    moving("a", 0.5, center(-5.0 + offset, 1.0 + margin), 3.0, 0.0),
+                    still("b", 0.5, center(0.0, 0.0)),
+                ];
+                let engine = run(&scene, 60, 180, |_, _| {});
+                assert_eq!(hits(&engine), u64::from(margin < 0.0), "margin {margin}, offset {offset}");
+            }
+        }
+    }
+}
+
+#[test]
+fn exact_tangency_gives_next_to_no_impulse() {
+    let mut scene = plane(16.0);
+    scene.balls = vec![moving("a", 0.5, center(-5.0, 1.0), 3.0, 0.0), still("b", 0.5, center(0.0, 0.0))];
+    let engine = run(&scene, 60, 180, |_, _| {});
+    assert!((engine.balls()[0].velocity - Vector3::new(3.0, 0.0, 0.0)).norm() <= 3e-7);
+}
+
+#[test]
+fn balls_a_thousandfold_apart_in_size_meet_exactly() {
+    let mut scene = plane(16.0);
+    let small = BallSpec { mass: 1e-9, ..moving("small", 0.001, center(-6.0, 0.0), 4.0, 0.0) };
+    let large = BallSpec { mass: 1.0, ..still("large", 1.0, center(0.0, 0.0)) };
+    scene.balls = vec![small, large];
+    let engine = run(&scene, 60, 120, |_, _| {});
+    let balls = scenes::in_list_order(&engine);
+    // The centres lie at heights of their own: they meet when a horizontal leg closes the reach.
+    let leg = (1.001_f64 * 1.001 - 0.999 * 0.999).sqrt();
+    let hit = (6.0 - leg) / 4.0;
+    let [heavy, light] = [1.0, 1e-9];
+    let turned = 4.0 * (light - heavy) / (light + heavy);
+    let exact = -leg + turned * (2.0 - hit);
+    assert!((balls[0].center.x - exact).abs() < 1e-12, "{} for {exact}", balls[0].center.x);
+    let pushed = 8.0 * light / (light + heavy) * (2.0 - hit);
+    assert!((balls[1].center.x - pushed).abs() < 1e-12);
+}

@@ -1,8 +1,8 @@
 //! What went wrong in the program this one grew out of, each with what is right.
 
 use crate::scenes::{
-    self, all_bits, as_net, assert_mirrors, bits, center, contact, graph, in_list_order, load, moving, original, plane,
-    run, still,
+    self, all_bits, as_net, assert_mirrors, bits, center, contact, graph, in_list_order, load, moving,
+    original, plane, run, still,
 };
 use ballroom_physics::{BallSpec, Drive, MotionLaw, Scene, Time};
 use nalgebra::{Vector2, Vector3};
@@ -48,7 +48,8 @@ fn three_balls_that_meet_at_once_separate() {
 #[test]
 fn touching_balls_that_approach_separate() {
     let mut scene = plane(16.0);
-    scene.balls = vec![moving("a", 1.0, center(-1.0, 0.0), 2.0, 0.0), moving("b", 1.0, center(1.0, 0.0), -2.0, 0.0)];
+    scene.balls =
+        vec![moving("a", 1.0, center(-1.0, 0.0), 2.0, 0.0), moving("b", 1.0, center(1.0, 0.0), -2.0, 0.0)];
     let engine = run(&scene, 60, 60, |_, _| {});
     assert!((engine.balls()[0].center.x + 3.0).abs() < 1e-14, "{:?}", engine.balls()[0]);
 }
