@@ -271,3 +271,25 @@ fn balls_a_thousandfold_apart_in_size_meet_exactly() {
     let pushed = 8.0 * light / (light + heavy) * (2.0 - hit);
     assert!((balls[1].center.x - pushed).abs() < 1e-12);
 }
+
+#[test]
+fn a_free_group_keeps_its_momentum_at_any_restitution() {
+    for (e, count) in [(0.9, 8), (0.5, 5), (0.1, 3), (0.0, 2)] {
+        let mut scene = plane(64.0);
+        scene.restitution = e;
+        scene.balls.push(BallSpec { mass: 1000.0, ..moving("heavy", 0.25, center(2.0, 0.0), -1.0, 0.0) });
+        for n in 0..count {
+            let place = center(-0.625 * f64::from(n), 0.0);
+            scene.balls.push(moving(&format!("light-{n}"), 0.25, place, 2.0, 0.0));
+        }
+        let exact = 2.0 * f64::from(count) - 1000.0;
+        let mut worst = 0.0_f64;
+        run(&scene, 60, 600, |_, engine| {
+            let balls = scenes::in_list_order(engine);
+            let momentum: f64 =
+                balls.iter().zip(&scene.balls).map(|(b, spec)| b.velocity.x * spec.mass).sum();
+            worst = worst.max((momentum / exact - 1.0).abs());
+        });
+        assert!(worst < 1e-12, "restitution {e}, {count} light balls: {worst}");
+    }
+}
