@@ -46,11 +46,12 @@ pub const REST_SPEED: f64 = 1e-6;
 /// Slow hits of one ball within a quantum before something must give: it is held until the quantum ends, or
 /// hops. Honest sequences of slow hits are shorter; a pile makes any number.
 pub const REST_HITS_MAX: u32 = 16;
-/// Speed up to which a ball in a pile is held, m/s: what it loses then is less than 1e-4 J/kg. A faster one
-/// keeps its motion and hops.
-pub const HOLD_SPEED: f64 = 1e-2;
-/// Speed at which a hop parts two bodies pressed together, m/s: 500 hits a second under 1 m/s^2, 5e-7 J/kg.
-pub const HOP_SPEED: f64 = 1e-3;
+/// Speed up to which a ball in a pile is held, m/s: what it loses then is about 1e-3 J/kg. A faster one keeps
+/// its motion and hops.
+pub const HOLD_SPEED: f64 = 5e-2;
+/// Speed at which a hop parts two bodies pressed together, m/s: 50 hits a second under 1 m/s^2, at most
+/// 5e-5 J/kg. A tenth of it costs ten times the hits.
+pub const HOP_SPEED: f64 = 1e-2;
 /// Closing speed of a contact that is rounding, relative to the speeds it is the difference of.
 pub const CLOSING_NOISE: f64 = 4e-15;
 /// The same for bodies that have just come to rest beside faster ones, m/s: an impact of a metre a second
@@ -106,3 +107,4 @@ pub const HITS_KEPT: usize = 65_536;
 const _: () = assert!(STEP_MIN < STEP_FIRST && STEP_FIRST <= STEP_MAX);
 const _: () = assert!(WINDOW_MIN < WINDOW_MAX);
 const _: () = assert!(TOUCH_CURVED < POLISH);
+const _: () = assert!(REST_SPEED < HOP_SPEED && HOP_SPEED < HOLD_SPEED);
