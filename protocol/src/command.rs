@@ -56,7 +56,7 @@ pub struct CommandFault(String);
 /// The short form of steering.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Key {
+struct Press {
     key: DirectionName,
     #[serde(default)]
     down: Option<bool>,
@@ -64,8 +64,8 @@ struct Key {
     ball: Option<String>,
 }
 
-impl From<Key> for Command {
-    fn from(Key { key, down, ball }: Key) -> Self {
+impl From<Press> for Command {
+    fn from(Press { key, down, ball }: Press) -> Self {
         let (direction, mode) = match down {
             None => (key, SteerMode::Impulse),
             Some(true) => (key, SteerMode::Force),
@@ -82,7 +82,7 @@ impl Command {
         let value: serde_json::Value =
             serde_json::from_str(text).map_err(|e| CommandFault(format!("no JSON: {e}")))?;
         let command = if value.get("key").is_some() && value.get("cmd").is_none() {
-            serde_json::from_str::<Key>(text).map(Self::from)
+            serde_json::from_str::<Press>(text).map(Self::from)
         } else {
             serde_json::from_str::<Self>(text)
         }

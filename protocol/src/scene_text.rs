@@ -86,7 +86,7 @@ fn field_at(text: &str, span: &Range<usize>) -> String {
         match step {
             Step::Key(key) if field.is_empty() => field.push_str(&key),
             Step::Key(key) => field.extend([".", &key]),
-            Step::Index(i) => field.push_str(&format!("[{i}]")),
+            Step::Index(i) => field.extend(["[", &i.to_string(), "]"]),
         }
         here = node;
     }
@@ -95,7 +95,7 @@ fn field_at(text: &str, span: &Range<usize>) -> String {
 
 fn line_column(text: &str, offset: usize) -> [usize; 2] {
     let before = &text.as_bytes()[..offset.min(text.len())];
-    let line = before.iter().filter(|&&b| b == b'\n').count() + 1;
+    let line = before.split(|&b| b == b'\n').count();
     let column = before.iter().rev().take_while(|&&b| b != b'\n').count() + 1;
     [line, column]
 }
