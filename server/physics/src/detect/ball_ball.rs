@@ -14,9 +14,8 @@ const SQUARED: usize = 2 * TERMS - 1;
 /// Binomials of degree 7.
 const C7: [f64; TERMS] = [1.0, 7.0, 21.0, 35.0, 35.0, 21.0, 7.0, 1.0];
 /// Binomials of degree 14.
-const C14: [f64; SQUARED] = [
-    1.0, 14.0, 91.0, 364.0, 1001.0, 2002.0, 3003.0, 3432.0, 3003.0, 2002.0, 1001.0, 364.0, 91.0, 14.0, 1.0,
-];
+const C14: [f64; SQUARED] =
+    [1.0, 14.0, 91.0, 364.0, 1001.0, 2002.0, 3003.0, 3432.0, 3003.0, 2002.0, 1001.0, 364.0, 91.0, 14.0, 1.0];
 
 /// Where two arcs stand at the start of a search.
 #[derive(Clone, Copy, Debug)]

@@ -55,8 +55,9 @@ pub fn time_of_impact(arc: &Arc, plane: &Plane, from: Time, duration: f64, radiu
     } else if a[1] < 0.0 {
         return Some(0.0);
     } else {
-        a[0] = 0.0;
-        let mut rest = divide_by_x(&bernstein(&a));
+        let mut rest = a;
+        rest[0] = 0.0;
+        let mut rest = divide_by_x(&bernstein(&rest));
         rest[0] = rest[0].max(0.0);
         first_descent(&rest)?
     };

@@ -189,7 +189,8 @@ mod tests {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (seed >> 11) as f64 / (1_u64 << 53) as f64
         };
-        let radii: Vec<f64> = (0..300).map(|i| if i % 50 == 0 { 0.5 } else { 0.002 + 0.03 * random() }).collect();
+        let radii: Vec<f64> =
+            (0..300).map(|i| if i % 50 == 0 { 0.5 } else { 0.002 + 0.03 * random() }).collect();
         let mut phase = BroadPhase::new(&radii, [-2.0, -1.0, 2.0, 1.0]);
         let mut bounds = vec![[0.0; 4]; radii.len()];
         for round in 0..5 {
@@ -203,7 +204,8 @@ mod tests {
                 let mut found = Vec::new();
                 phase.neighbours(i, |j| found.push(j));
                 found.sort_unstable();
-                let meet = |a: &Bounds, b: &Bounds| a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3];
+                let meet =
+                    |a: &Bounds, b: &Bounds| a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3];
                 let want: Vec<usize> =
                     (0..radii.len()).filter(|j| *j != i && meet(&bounds[i], &bounds[*j])).collect();
                 assert_eq!(found, want, "round {round}, ball {i}");

@@ -118,7 +118,13 @@ mod tests {
 
     /// Bernstein coefficients of degree 4 of the polynomial with powers `a`.
     fn bernstein(a: [f64; 5]) -> [f64; 5] {
-        let binomial = [[1.0, 0.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0, 0.0], [1.0, 2.0, 1.0, 0.0, 0.0], [1.0, 3.0, 3.0, 1.0, 0.0], [1.0, 4.0, 6.0, 4.0, 1.0]];
+        let binomial = [
+            [1.0, 0.0, 0.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0, 0.0, 0.0],
+            [1.0, 2.0, 1.0, 0.0, 0.0],
+            [1.0, 3.0, 3.0, 1.0, 0.0],
+            [1.0, 4.0, 6.0, 4.0, 1.0],
+        ];
         std::array::from_fn(|i| (0..=i).map(|k| binomial[i][k] / binomial[4][k] * a[k]).sum())
     }
 

@@ -123,8 +123,7 @@ impl Body {
 
     fn launch_parabola(&self, surface: &Surface, arc: &mut Arc) {
         let (center, n) = self.seat(surface, &arc.state);
-        let acceleration =
-            (self.applied - n * self.applied.dot(&n)) * (1.0 / (1.0 + self.inertia_factor));
+        let acceleration = (self.applied - n * self.applied.dot(&n)) * (1.0 / (1.0 + self.inertia_factor));
         arc.path = Path::Parabola;
         arc.length = f64::INFINITY;
         arc.scale = 1.0;

@@ -60,9 +60,8 @@ fn tsit5_stages<const D: usize, C: Chart>(
     k[1] = law.slope(&combine(y, h, [(a[0][0], &k[0])])).0;
     k[2] = law.slope(&combine(y, h, [(a[1][0], &k[0]), (a[1][1], &k[1])])).0;
     k[3] = law.slope(&combine(y, h, [(a[2][0], &k[0]), (a[2][1], &k[1]), (a[2][2], &k[2])])).0;
-    k[4] = law
-        .slope(&combine(y, h, [(a[3][0], &k[0]), (a[3][1], &k[1]), (a[3][2], &k[2]), (a[3][3], &k[3])]))
-        .0;
+    k[4] =
+        law.slope(&combine(y, h, [(a[3][0], &k[0]), (a[3][1], &k[1]), (a[3][2], &k[2]), (a[3][3], &k[3])])).0;
     k[5] = law
         .slope(&combine(
             y,
@@ -90,7 +89,12 @@ pub fn tsit5_land<const D: usize, C: Chart>(
 }
 
 /// Tsitouras' scheme: a whole step with its interpolant of order 4 inside.
-pub fn tsit5_step<const D: usize, C: Chart>(law: &Law<'_, C>, y: &[f64; D], k1: &[f64; D], h: f64) -> Step<D> {
+pub fn tsit5_step<const D: usize, C: Chart>(
+    law: &Law<'_, C>,
+    y: &[f64; D],
+    k1: &[f64; D],
+    h: f64,
+) -> Step<D> {
     let (k, end) = tsit5_stages(law, y, k1, h);
     finish(law, y, k1, h, end, Some(&k))
 }
@@ -105,8 +109,12 @@ fn tsit5_interpolant() -> [[f64; 4]; 7] {
     fn quadratic(c: f64, a: f64, b: f64) -> [f64; 4] {
         [0.0, c * b, c * a, c]
     }
-    let (c, r, a, b) =
-        (-1.053_088_497_729_021_6, 1.329_989_018_975_141_2, -1.436_402_854_171_635_1, 0.713_981_691_707_420_9);
+    let (c, r, a, b) = (
+        -1.053_088_497_729_021_6,
+        1.329_989_018_975_141_2,
+        -1.436_402_854_171_635_1,
+        0.713_981_691_707_420_9,
+    );
     // c theta (theta - r)(theta^2 + a theta + b)
     let first = [-c * r * b, c * (b - r * a), c * (a - r), c];
     [

@@ -296,10 +296,8 @@ mod tests {
     #[test]
     fn a_ball_onto_two_touching_ones_rebounds_with_a_fifth() {
         let line = |sign: f64| V3::new(0.75_f64.sqrt(), 0.5 * sign, 0.0);
-        let contacts = [
-            Contact { a: 0, b: Some(1), line: line(1.0) },
-            Contact { a: 0, b: Some(2), line: line(-1.0) },
-        ];
+        let contacts =
+            [Contact { a: 0, b: Some(1), line: line(1.0) }, Contact { a: 0, b: Some(2), line: line(-1.0) }];
         let mut members = [flat(1.0, 0.0), flat(0.0, 0.0), flat(0.0, 0.0)];
         solve(&mut members, &contacts, 1.0);
         assert!((members[0].velocity.x + 0.2).abs() < 1e-15);
@@ -309,8 +307,7 @@ mod tests {
 
     #[test]
     fn a_corner_turns_the_velocity_round() {
-        let contacts =
-            [Contact { a: 0, b: None, line: V3::x() }, Contact { a: 0, b: None, line: V3::y() }];
+        let contacts = [Contact { a: 0, b: None, line: V3::x() }, Contact { a: 0, b: None, line: V3::y() }];
         let mut members = [flat(0.3, 0.7)];
         solve(&mut members, &contacts, 1.0);
         assert_eq!(members[0].velocity, V3::new(-0.3, -0.7, 0.0));
@@ -325,7 +322,8 @@ mod tests {
             Member { velocity: tangent(V3::new(1.0, 0.2, 0.0), normal), normal, inverse_mass: 0.7 },
             Member { velocity: tangent(V3::new(-0.5, 0.1, 0.0), other), normal: other, inverse_mass: 0.2 },
         ];
-        let energy = |m: &[Member]| m.iter().map(|m| 0.5 * m.velocity.norm_squared() / m.inverse_mass).sum::<f64>();
+        let energy =
+            |m: &[Member]| m.iter().map(|m| 0.5 * m.velocity.norm_squared() / m.inverse_mass).sum::<f64>();
         let contact = Contact { a: 0, b: Some(1), line: V3::new(0.8, 0.1, 0.3).normalize() };
         let (before, closing) = (energy(&members), contact.closing(&members));
         assert!(resolve_one(&mut members, &contact, 1.0) > 0.0);

@@ -135,12 +135,7 @@ fn paired_dot<const N: usize>(a: &[f64; N], b: &[f64; N], degree: usize) -> f64 
 
 /// Value and derivatives `[f, f_0, f_1, f_00, f_01, f_11]` of sum c[i][j] `X_i` `Y_j`.
 #[inline]
-fn contract<const N: usize>(
-    c: &[[f64; N]; N],
-    x: &Jets<N>,
-    y: &Jets<N>,
-    degree: [usize; 2],
-) -> [f64; 6] {
+fn contract<const N: usize>(c: &[[f64; N]; N], x: &Jets<N>, y: &Jets<N>, degree: [usize; 2]) -> [f64; 6] {
     let mut rows = [[0.0; N]; 3];
     for i in 0..N.div_ceil(2) {
         if i > degree[0] / 2 {
@@ -264,11 +259,8 @@ impl<const N: usize> Chart for NetChart<N> {
         let degree = [self.axes[0].degree, self.axes[1].degree];
         let (x, y) = (self.axes[0].jets(q[0]), self.axes[1].jets(q[1]));
         let [cx, cy, cz] = &*self.coefficients;
-        let (a, b, c) = (
-            contract(cx, &x, &y, degree),
-            contract(cy, &x, &y, degree),
-            contract(cz, &x, &y, degree),
-        );
+        let (a, b, c) =
+            (contract(cx, &x, &y, degree), contract(cy, &x, &y, degree), contract(cz, &x, &y, degree));
         let take = |i: usize| V3::new(a[i], b[i], c[i]);
         let (su, sv) = (take(1), take(2));
         let cross = su.cross(&sv);
@@ -434,7 +426,8 @@ impl Surface {
         if degree[0].max(degree[1]) <= 1 && at(1, 1) == 0.0 {
             return Self { kernel: Self::flat(middle, at(0, 0), [at(1, 0), at(0, 1)]), width };
         }
-        let axes = [Axis::new(Basis::Power, degree[0], width[0]), Axis::new(Basis::Power, degree[1], width[1])];
+        let axes =
+            [Axis::new(Basis::Power, degree[0], width[0]), Axis::new(Basis::Power, degree[1], width[1])];
         Self { kernel: height_kernel(middle, axes, at), width }
     }
 
@@ -508,8 +501,10 @@ fn height_kernel(middle: [f64; 2], axes: [Axis; 2], at: impl Fn(usize, usize) ->
 fn shift(terms: &[Vec<f64>], middle: [f64; 2]) -> Vec<Vec<f64>> {
     let rows = terms.len();
     let columns = terms.iter().map(Vec::len).max().unwrap_or(0);
-    let mut c: Vec<Vec<f64>> =
-        terms.iter().map(|row| row.iter().copied().chain(std::iter::repeat(0.0)).take(columns).collect()).collect();
+    let mut c: Vec<Vec<f64>> = terms
+        .iter()
+        .map(|row| row.iter().copied().chain(std::iter::repeat(0.0)).take(columns).collect())
+        .collect();
     // Repeated synthetic division, first in x for every column, then in y for every row.
     for k in 0..rows {
         for i in (k..rows.saturating_sub(1)).rev() {
