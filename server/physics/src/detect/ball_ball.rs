@@ -180,7 +180,8 @@ mod tests {
             let value: f64 = b
                 .iter()
                 .enumerate()
-                .map(|(i, c)| c * C14[i] * x.powi(i as i32) * (1.0 - x).powi(14 - i as i32))
+                .zip(0_i32..)
+                .map(|((i, c), k)| c * C14[i] * x.powi(k) * (1.0 - x).powi(14 - k))
                 .sum();
             assert!((value - point.norm_squared()).abs() < 1e-12 * (1.0 + value.abs()));
         }

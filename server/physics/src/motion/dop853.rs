@@ -92,8 +92,8 @@ pub fn step<const D: usize, C: Chart>(
 ) -> Option<Step<D>> {
     let (mut s, end) = advance(law, y, slope, h);
     let error = error_estimate(law, y, h, &s.slope);
-    // Written so that a NaN is refused too.
-    if !(error <= allowed) {
+    // A NaN is refused too.
+    if error.is_nan() || error > allowed {
         return None;
     }
     let (slope_end, reaction_end) = law.slope(&end);

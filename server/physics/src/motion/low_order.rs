@@ -99,7 +99,8 @@ pub fn tsit5_step<const D: usize, C: Chart>(
     finish(law, y, k1, h, end, Some(&k))
 }
 
-/// b_i(theta) of the interpolant in powers theta^1 to theta^4, expanded from its published factors.
+/// `b_i(theta)` of the interpolant in powers theta^1 to theta^4, expanded from its published factors.
+#[allow(clippy::excessive_precision, reason = "as published")]
 fn tsit5_interpolant() -> [[f64; 4]; 7] {
     /// c theta^2 (theta - a)(theta - b)
     fn factored(c: f64, a: f64, b: f64) -> [f64; 4] {

@@ -79,7 +79,7 @@ impl Axis {
             let mut power = 1.0;
             for i in 0..=p {
                 out[0][i] = power;
-                if i + 1 <= p {
+                if i < p {
                     out[1][i + 1] = (i + 1) as f64 * power;
                 }
                 if i + 2 <= p {
