@@ -340,4 +340,28 @@ mod tests {
         assert!(due >= began + Duration::from_millis(50));
         assert_eq!(ticks.next_deadline(due + Duration::from_secs(1), due), due + Duration::from_millis(1001));
     }
+
+    #[test]
+    fn a_tick_with_its_handover_allocates_nothing_after_the_first_second() {
+        let loaded = Arc::new(SceneText::open("original").unwrap().load().unwrap());
+        let simulation = Simulation::new(loaded, 60, 1).unwrap();
+        let handover = Arc::new(Handover::new());
+        let mut ticks = TickLoop::new(simulation, Arc::default(), handover.clone(), Arc::default(), false);
+        let mut batch = Batch::default();
+        let mut second = || {
+            for _ in 0..60 {
+                ticks.apply_commands();
+                ticks.tick();
+                ticks.hand_over();
+                handover.take(&mut batch, Duration::ZERO);
+                batch.hits.clear();
+                if let Some(state) = batch.state.take() {
+                    handover.recycle(state);
+                }
+            }
+        };
+        second();
+        let allocated = allocation_counter::measure(|| (0..20).for_each(|_| second()));
+        assert_eq!(allocated.count_total, 0);
+    }
 }
