@@ -25,10 +25,12 @@ pub fn allowed_error(tolerance: f64, h: f64) -> f64 {
     ERROR_PER_SECOND * tolerance * h
 }
 
-/// Longest piece of a turn by quadrature on a plane, s.
-pub const TURN_STEP: f64 = QUANTUM;
-/// Most pieces of a turn; a parabola of a rolling ball under force is cut after so many.
-pub const TURN_STEPS_MAX: f64 = 64.0;
+/// Angle of one piece of a turn, rad: Magnus' remainder is then below 1e-11 for a ball on any usual path.
+pub const TURN_ANGLE: f64 = 0.5;
+/// Most pieces of one turn: a ball that spins at 2000 rad/s for a second.
+pub const TURN_PIECES_MAX: f64 = 4096.0;
+/// Longest parabola of a rolling ball under force, s: its orientation is followed from the start.
+pub const TURN_MAX: f64 = 64.0 * QUANTUM;
 
 /// Centre travel in one detection window, in radii. More makes windows rarer and neighbours more; 2 is near
 /// the minimum for a gas that covers a fifth of the floor, and the minimum is flat.

@@ -327,7 +327,9 @@ impl Controller {
     /// Lets a ball stand until the quantum ends. Its kinetic energy is lost; nothing is gained, nothing overlaps.
     fn hold(&mut self, ball: usize, time: Time, state: &State) {
         let arc = &mut self.arcs[ball];
-        self.report.negative_reaction += arc.negative_reaction(time.since(arc.start));
+        let dt = time.since(arc.start);
+        self.report.negative_reaction += arc.negative_reaction(dt);
+        arc.orientation = arc.orientation_at(dt);
         self.report.fallbacks += 1;
         let length = Time::of_quantum(time.quantum()).after(QUANTUM).since(time);
         let b = &mut self.balls[ball];
