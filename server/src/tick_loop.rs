@@ -209,7 +209,7 @@ impl TickLoop {
     }
 
     fn report_each_second(&mut self) {
-        let Some(figures) = self.meter.each_second() else { return };
+        let Some(figures) = self.meter.each_second(!self.paused) else { return };
         let [commands_accepted, commands_refused] = self.inbox.counts();
         let mut stats = Stats {
             paused: self.paused,
