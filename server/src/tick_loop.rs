@@ -1,0 +1,367 @@
+//! The tick loop: a fixed rate on a plain thread. It never awaits, never publishes, and never chases lost time.
+
+use crate::handover::Handover;
+use crate::inbox::{Answer, Answered, Inbox, Request};
+use crate::meter::Meter;
+use crate::simulation::{NumberedHit, Simulation};
+use protocol::command::{Command, Reply};
+use protocol::stats::Stats;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant, SystemTime};
+
+/// Longest sleep: within it the loop sees a stop, and a command when the clock stands or runs slowly.
+const SLICE: Duration = Duration::from_millis(20);
+/// How far behind its deadlines a loop may be and still catch up, in periods; what is more is lost, so that a stall
+/// lowers the real-time factor and is over when it is over.
+const BACKLOG_PERIODS: u32 = 1;
+
+/// A simulation, and how its ticks meet the wall clock.
+pub struct TickLoop {
+    simulation: Simulation,
+    inbox: Arc<Inbox>,
+    handover: Arc<Handover>,
+    stop: Arc<AtomicBool>,
+    paused: bool,
+    speed_factor: f64,
+    stepping: Option<Stepping>,
+    meter: Meter,
+    /// Number of the epoch's next hit.
+    sequence: u64,
+    requests: Vec<Request>,
+    answers: Vec<Answered>,
+    hits: Vec<NumberedHit>,
+}
+
+/// Steps still to be made while the clock stands.
+struct Stepping {
+    last_tick: u64,
+    answer: Option<Answer>,
+}
+
+impl TickLoop {
+    /// A loop that has not begun.
+    pub fn new(
+        simulation: Simulation,
+        inbox: Arc<Inbox>,
+        handover: Arc<Handover>,
+        stop: Arc<AtomicBool>,
+        paused: bool,
+    ) -> Self {
+        Self {
+            simulation,
+            inbox,
+            handover,
+            stop,
+            paused,
+            speed_factor: 1.0,
+            stepping: None,
+            meter: Meter::new(),
+            sequence: 0,
+            requests: Vec::with_capacity(crate::inbox::INBOX_CAPACITY),
+            answers: Vec::with_capacity(crate::inbox::INBOX_CAPACITY),
+            hits: Vec::new(),
+        }
+    }
+
+    /// Runs until told to stop: drain, advance, hand over, sleep to the next deadline.
+    pub fn run(mut self) {
+        let handover = self.handover.clone();
+        // Also when a tick panics: the publisher must not wait for ever.
+        let _end = OnDrop(|| handover.end());
+        self.hand_over();
+        let mut due = Instant::now();
+        while !self.stop.load(Ordering::Relaxed) {
+            let touched = self.apply_commands();
+            let now = Instant::now();
+            if self.stepping.is_some() {
+                self.make_steps(now + SLICE);
+            } else if self.paused {
+                if touched {
+                    self.hand_over();
+                }
+                due = now;
+                self.inbox.wait_until(now + SLICE);
+            } else if now < due {
+                std::thread::sleep((due - now).min(SLICE));
+            } else {
+                self.tick();
+                self.hand_over();
+                due = self.next_deadline(due, now);
+            }
+            self.report_each_second();
+        }
+    }
+
+    fn next_deadline(&mut self, due: Instant, began: Instant) -> Instant {
+        let period =
+            Duration::from_secs_f64(1.0 / (f64::from(self.simulation.tick_rate_hz()) * self.speed_factor));
+        let (due, now) = (due + period, Instant::now());
+        self.meter.record(now - began);
+        let behind = now.saturating_duration_since(due);
+        if behind > Duration::ZERO {
+            self.meter.count_overrun();
+        }
+        if behind > period * BACKLOG_PERIODS { now } else { due }
+    }
+
+    fn tick(&mut self) {
+        self.simulation.advance();
+        let epoch = self.simulation.epoch();
+        for &hit in self.simulation.hits() {
+            self.hits.push(NumberedHit { epoch, sequence: self.sequence, hit });
+            self.sequence += 1;
+        }
+    }
+
+    /// As many steps as fit before `until`, at least one.
+    fn make_steps(&mut self, until: Instant) {
+        let Some(last_tick) = self.stepping.as_ref().map(|stepping| stepping.last_tick) else { return };
+        while self.simulation.tick() < last_tick {
+            let began = Instant::now();
+            self.tick();
+            self.meter.record(began.elapsed());
+            if Instant::now() >= until {
+                break;
+            }
+        }
+        if self.simulation.tick() >= last_tick {
+            self.end_stepping("");
+        }
+        self.hand_over();
+    }
+
+    fn end_stepping(&mut self, error: &str) {
+        if let Some(answer) = self.stepping.take().and_then(|stepping| stepping.answer) {
+            let reply = self.reply(error.to_owned());
+            self.answers.push(Answered { answer, reply });
+        }
+    }
+
+    /// Applies what waits, at the present tick; true when there was something.
+    fn apply_commands(&mut self) -> bool {
+        let mut requests = std::mem::take(&mut self.requests);
+        self.inbox.drain_into(&mut requests);
+        let touched = !requests.is_empty();
+        for request in requests.drain(..) {
+            self.apply(request);
+        }
+        self.requests = requests;
+        touched
+    }
+
+    fn apply(&mut self, Request { command, answer }: Request) {
+        let done = match &command {
+            Command::Steer { ball, direction, mode } => {
+                self.simulation.steer(ball.as_deref(), *direction, *mode)
+            }
+            Command::Pause {} => {
+                self.paused = true;
+                Ok(())
+            }
+            Command::Resume {} => {
+                self.end_stepping("resumed before the last step");
+                self.paused = false;
+                Ok(())
+            }
+            Command::Step { .. } if !self.paused => Err("the clock runs: pause before stepping".into()),
+            Command::Step { .. } if self.stepping.is_some() => {
+                Err("the last steps are still being made".into())
+            }
+            Command::Step { ticks } => {
+                self.inbox.count_accepted();
+                let last_tick = self.simulation.tick() + ticks;
+                self.stepping = Some(Stepping { last_tick, answer });
+                return;
+            }
+            Command::Reset {} => {
+                self.end_stepping("reset before the last step");
+                self.sequence = 0;
+                self.simulation.reset().map_err(|e| e.to_string())
+            }
+            Command::Speed { factor } => {
+                self.speed_factor = *factor;
+                Ok(())
+            }
+        };
+        if done.is_ok() {
+            self.inbox.count_accepted();
+        } else {
+            self.inbox.count_refused();
+        }
+        if let Some(answer) = answer {
+            let reply = self.reply(done.err().unwrap_or_default());
+            self.answers.push(Answered { answer, reply });
+        }
+    }
+
+    fn reply(&self, error: String) -> Reply {
+        Reply { ok: error.is_empty(), tick: self.simulation.tick(), epoch: self.simulation.epoch(), error }
+    }
+
+    fn hand_over(&mut self) {
+        let mut state = self.handover.buffer();
+        self.simulation.write_snapshot(&mut state);
+        state.paused = self.paused;
+        let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        state.wall_ns = since_1970.as_nanos() as u64;
+        self.handover.put(Some(state), &mut self.hits, &mut self.answers, None);
+    }
+
+    fn report_each_second(&mut self) {
+        let Some(figures) = self.meter.each_second(!self.paused) else { return };
+        let [commands_accepted, commands_refused] = self.inbox.counts();
+        let mut stats = Stats {
+            paused: self.paused,
+            speed_factor: self.speed_factor,
+            real_time_factor: figures.ticks_per_s / f64::from(self.simulation.tick_rate_hz()),
+            overruns: figures.overruns,
+            tick_micros: figures.tick_micros,
+            commands_accepted,
+            commands_refused,
+            ..Stats::default()
+        };
+        self.simulation.write_stats(&mut stats);
+        self.handover.put(None, &mut self.hits, &mut self.answers, Some(stats));
+    }
+}
+
+struct OnDrop<F: FnMut()>(F);
+
+impl<F: FnMut()> Drop for OnDrop<F> {
+    fn drop(&mut self) {
+        (self.0)();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::handover::Batch;
+    use crate::scene_file::SceneText;
+    use std::sync::mpsc::{Receiver, channel};
+
+    /// A loop on its own thread, with everything around it but the network.
+    struct Running {
+        inbox: Arc<Inbox>,
+        handover: Arc<Handover>,
+        stop: Arc<AtomicBool>,
+        thread: Option<std::thread::JoinHandle<()>>,
+    }
+
+    impl Running {
+        fn start(paused: bool, tick_rate_hz: u32) -> Self {
+            let loaded = Arc::new(SceneText::open("plane").unwrap().load().unwrap());
+            let simulation = Simulation::new(loaded, tick_rate_hz, 1).unwrap();
+            let (inbox, handover, stop) = (Arc::default(), Arc::new(Handover::new()), Arc::default());
+            let ticks =
+                TickLoop::new(simulation, Arc::clone(&inbox), handover.clone(), Arc::clone(&stop), paused);
+            Self { inbox, handover, stop, thread: Some(std::thread::spawn(move || ticks.run())) }
+        }
+
+        fn send(&self, command: Command) -> Receiver<Reply> {
+            let (sender, receiver) = channel();
+            let answer: Answer = Box::new(move |reply: &Reply| sender.send(reply.clone()).unwrap());
+            assert!(self.inbox.offer(Request { command, answer: Some(answer) }).is_ok());
+            receiver
+        }
+
+        /// What the publisher does, until the reply is there.
+        fn ask(&self, command: Command) -> Reply {
+            let reply = self.send(command);
+            let mut batch = Batch::default();
+            for _ in 0..1000 {
+                self.handover.take(&mut batch, Duration::from_millis(10));
+                batch.hits.clear();
+                batch.answers.drain(..).for_each(|answered| (answered.answer)(&answered.reply));
+                if let Ok(reply) = reply.try_recv() {
+                    return reply;
+                }
+            }
+            panic!("no reply in ten seconds");
+        }
+    }
+
+    impl Drop for Running {
+        fn drop(&mut self) {
+            self.stop.store(true, Ordering::Relaxed);
+            self.thread.take().unwrap().join().unwrap();
+        }
+    }
+
+    #[test]
+    fn a_paused_loop_steps_exactly_and_says_when_it_is_done() {
+        let running = Running::start(true, 60);
+        assert_eq!(running.ask(Command::Step { ticks: 1 }).tick, 1);
+        assert_eq!(running.ask(Command::Step { ticks: 2000 }).tick, 2001);
+        let reset = running.ask(Command::Reset {});
+        assert_eq!((reset.ok, reset.tick, reset.epoch), (true, 0, 2));
+        assert_eq!(running.ask(Command::Step { ticks: 5 }).tick, 5);
+        assert_eq!(running.inbox.counts(), [4, 0]);
+    }
+
+    #[test]
+    fn commands_out_of_place_are_refused_with_a_reason() {
+        let running = Running::start(false, 60);
+        let step = running.ask(Command::Step { ticks: 1 });
+        assert!(!step.ok && step.error.contains("pause"), "{step:?}");
+        assert!(running.ask(Command::Pause {}).ok);
+        let long = running.send(Command::Step { ticks: 1_000_000 });
+        let more = running.ask(Command::Step { ticks: 1 });
+        assert!(!more.ok && more.error.contains("still being made"), "{more:?}");
+        assert!(running.ask(Command::Resume {}).ok);
+        let long = long.recv_timeout(Duration::from_secs(10)).unwrap();
+        assert!(!long.ok && long.error.contains("resumed"), "{long:?}");
+    }
+
+    #[test]
+    fn speed_scales_the_ticks_a_second() {
+        let running = Running::start(false, 100);
+        assert!(running.ask(Command::Speed { factor: 4.0 }).ok);
+        let from = running.ask(Command::Speed { factor: 4.0 }).tick;
+        let began = Instant::now();
+        std::thread::sleep(Duration::from_millis(500));
+        let ticks = running.ask(Command::Pause {}).tick - from;
+        let wanted = 400.0 * began.elapsed().as_secs_f64();
+        // A loaded machine may lose ticks, none makes more.
+        assert!(ticks as f64 <= wanted + 4.0 && ticks as f64 >= 0.5 * wanted, "{ticks} of {wanted}");
+    }
+
+    #[test]
+    fn a_stall_costs_ticks_and_is_over_when_it_is_over() {
+        let loaded = Arc::new(SceneText::open("plane").unwrap().load().unwrap());
+        let simulation = Simulation::new(loaded, 1000, 1).unwrap();
+        let handover = Arc::new(Handover::new());
+        let mut ticks = TickLoop::new(simulation, Arc::default(), handover, Arc::default(), false);
+        let began = Instant::now();
+        std::thread::sleep(Duration::from_millis(50));
+        let due = ticks.next_deadline(began, began);
+        // Fifty periods late: the next tick is due now, not fifty of them.
+        assert!(due >= began + Duration::from_millis(50));
+        assert_eq!(ticks.next_deadline(due + Duration::from_secs(1), due), due + Duration::from_millis(1001));
+    }
+
+    #[test]
+    fn a_tick_with_its_handover_allocates_nothing_after_the_first_second() {
+        let loaded = Arc::new(SceneText::open("original").unwrap().load().unwrap());
+        let simulation = Simulation::new(loaded, 60, 1).unwrap();
+        let handover = Arc::new(Handover::new());
+        let mut ticks = TickLoop::new(simulation, Arc::default(), handover.clone(), Arc::default(), false);
+        let mut batch = Batch::default();
+        let mut second = || {
+            for _ in 0..60 {
+                ticks.apply_commands();
+                ticks.tick();
+                ticks.hand_over();
+                handover.take(&mut batch, Duration::ZERO);
+                batch.hits.clear();
+                if let Some(state) = batch.state.take() {
+                    handover.recycle(state);
+                }
+            }
+        };
+        second();
+        let allocated = allocation_counter::measure(|| (0..20).for_each(|_| second()));
+        assert_eq!(allocated.count_total, 0);
+    }
+}
