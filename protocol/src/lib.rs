@@ -3,6 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | [`scene`] | the scene file, version 1: what people write and viewers draw |
+//! | [`scene_text`] | TOML to a scene, with errors that name file, line and field |
 //! | [`command`] | what a client may ask of a running arena, and the answer |
 //! | [`snapshot`] | the state of all balls at a tick |
 //! | [`event`] | one hit, with time, place and impulse |
@@ -10,8 +11,11 @@
 //! | [`keys`] | the names under which all this travels |
 //! | [`codec`] | bytes to values and back; every limit on size stands there |
 
+pub mod codec;
 pub mod command;
 pub mod event;
+pub mod keys;
 pub mod scene;
+pub mod scene_text;
 pub mod snapshot;
 pub mod stats;

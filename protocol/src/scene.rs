@@ -64,7 +64,11 @@ pub enum Motion {
 
 /// How exactly motion is computed: a tolerance, or an integrator and a step by name.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, untagged)]
+#[serde(
+    deny_unknown_fields,
+    untagged,
+    expecting = "write tolerance_m = METRES, or integrator = \"rk4\", \"tsit5\" or \"dop853\" with step_s = SECONDS"
+)]
 pub enum Accuracy {
     /// Largest position error wanted over 10 s of smooth motion.
     #[serde(rename_all = "snake_case")]
@@ -234,7 +238,7 @@ pub struct Ball {
 
 /// Moment of inertia over m r^2: a number, or the name of one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "write \"solid\", \"hollow\" or a number from 0 to 2/3")]
 pub enum Inertia {
     /// By name.
     Named(InertiaName),

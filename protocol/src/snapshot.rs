@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// All balls at one tick.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Snapshot {
     /// Changes with every start and reset of the arena; ticks of different epochs do not compare.
     pub epoch: u64,
@@ -19,7 +20,8 @@ pub struct Snapshot {
     pub energy_j: f64,
     /// Ball-ball and ball-wall hits since the epoch began.
     pub collisions: Collisions,
-    /// Hash of everything that influences the future.
+    /// Hash of everything that influences the future; 16 hexadecimal digits in JSON, where not every reader holds 64 bits.
+    #[serde(with = "hex")]
     pub state_hash: u64,
     /// Parameters of the touching point.
     pub uv: Vec<[f64; 2]>,
@@ -35,6 +37,7 @@ pub struct Snapshot {
 
 /// Counts of hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Collisions {
     /// Between two balls.
     pub ball_ball: u64,
@@ -44,6 +47,7 @@ pub struct Collisions {
 
 /// What does not change between ticks: who the balls are.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Roster {
     /// Unique names, in byte order.
     pub names: Vec<String>,
@@ -68,4 +72,21 @@ pub struct World {
     pub tick_rate_hz: u32,
     /// The newest state.
     pub snapshot: Snapshot,
+}
+
+/// A u64 as 16 hexadecimal digits.
+mod hex {
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands fields over by reference")]
+    pub fn serialize<S: Serializer>(hash: &u64, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&format_args!("{hash:016x}"))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        let digits = text.len() == 16 && text.bytes().all(|b| b.is_ascii_hexdigit());
+        let hash = if digits { u64::from_str_radix(&text, 16).ok() } else { None };
+        hash.ok_or_else(|| D::Error::custom("state_hash is not 16 hexadecimal digits"))
+    }
 }

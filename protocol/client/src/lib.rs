@@ -1,1 +1,20 @@
-//! Placeholder.
+//! A session with a Ballroom server: blocking calls over Zenoh, for tools, the viewer bridge and tests.
+//!
+//! | file | what |
+//! |---|---|
+//! | `options` | where the server is, how long to wait for it, when to stop waiting |
+//! | `client` | commands, questions, presses |
+//! | `feed` | what the server publishes, newest first, never blocking the session |
+//! | `follow` | the world and then its states, through late joins, resets and restarts of the server |
+//!
+//! No runtime is needed. The client must not be used inside a single-threaded tokio runtime.
+
+mod client;
+mod feed;
+mod follow;
+mod options;
+
+pub use client::{Client, ClientError};
+pub use feed::{Feed, Presence, Presences};
+pub use follow::{Follower, Update};
+pub use options::{Abort, ClientOptions, DEFAULT_ENDPOINT, Patience};

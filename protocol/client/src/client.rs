@@ -1,0 +1,277 @@
+//! Commands, questions, presses.
+
+use crate::feed::{Feed, Presences};
+use crate::follow::Follower;
+use crate::options::{ClientOptions, Patience};
+use protocol::codec::{self, CodecError};
+use protocol::command::{Command, CommandFault, Reply};
+use protocol::event::Events;
+use protocol::keys::{Keys, Name, Role};
+use protocol::scene::Scene;
+use protocol::snapshot::{Snapshot, World};
+use protocol::stats::Stats;
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::time::{Duration, Instant};
+use zenoh::Wait;
+use zenoh::bytes::Encoding;
+use zenoh::liveliness::LivelinessToken;
+use zenoh::qos::{CongestionControl, Priority};
+
+/// First pause between two attempts to reach a server, and the longest.
+const RETRY: [Duration; 2] = [Duration::from_millis(100), Duration::from_millis(500)];
+/// Answers looked at for one question; more than one server is already one too many.
+const MAX_ANSWERS: usize = 16;
+
+/// Why a client could not do what it was asked.
+#[derive(Debug, thiserror::Error)]
+pub enum ClientError {
+    /// Nobody there.
+    #[error(
+        "no server of arena {arena} at {whereabouts} within {} s: start `ballroom serve`, or name its endpoint with -e",
+        .waited.as_secs_f64()
+    )]
+    NoServer {
+        /// Which arena.
+        arena: Name,
+        /// Where it was looked for.
+        whereabouts: String,
+        /// How long.
+        waited: Duration,
+    },
+    /// There, but silent.
+    #[error("the server did not answer {question} within {} s", .waited.as_secs_f64())]
+    NoAnswer {
+        /// What was asked, by key.
+        question: String,
+        /// How long.
+        waited: Duration,
+    },
+    /// The server refused the question itself.
+    #[error("the server refused {question}: {why}")]
+    Refused {
+        /// What was asked, by key.
+        question: String,
+        /// In its words.
+        why: String,
+    },
+    /// The configuration is unusable.
+    #[error("Zenoh does not accept {what}: {why}")]
+    Config {
+        /// The file, or the setting.
+        what: String,
+        /// In its words.
+        why: String,
+    },
+    /// A command that makes no sense is not sent.
+    #[error(transparent)]
+    Command(#[from] CommandFault),
+    /// What came is not what was asked for.
+    #[error("the answer cannot be read: {0}")]
+    Codec(#[from] CodecError),
+    /// Zenoh failed.
+    #[error("Zenoh: {0}")]
+    Zenoh(#[from] zenoh::Error),
+    /// Waiting was ended from outside.
+    #[error("ended while waiting")]
+    Aborted,
+}
+
+impl ClientError {
+    /// Whether a server was missing, so that a tool can say so in its exit code.
+    pub const fn is_no_server(&self) -> bool {
+        matches!(self, Self::NoServer { .. })
+    }
+}
+
+/// A session with the server of one arena, shared by its clones.
+#[derive(Clone)]
+pub struct Client {
+    session: zenoh::Session,
+    keys: Keys,
+    options: ClientOptions,
+    opened: Instant,
+}
+
+impl Client {
+    /// Opens a session, waiting for something to connect to as the options say.
+    pub fn open(options: ClientOptions) -> Result<Self, ClientError> {
+        let config = options.zenoh_config()?;
+        let opened = Instant::now();
+        let mut pause = RETRY[0];
+        // A client's first open fails at once when nobody listens; later losses Zenoh repairs by itself.
+        let session = loop {
+            if options.abort.is_aborted() {
+                return Err(ClientError::Aborted);
+            }
+            match zenoh::open(config.clone()).wait() {
+                Ok(session) => break session,
+                Err(e) => tracing::debug!("cannot connect yet: {e}"),
+            }
+            if let Patience::GiveUpAfter(waited) = options.patience
+                && opened.elapsed() + pause > waited
+            {
+                let whereabouts = options.whereabouts();
+                return Err(ClientError::NoServer { arena: options.arena, whereabouts, waited });
+            }
+            std::thread::sleep(pause);
+            pause = pause.mul_f64(1.5).min(RETRY[1]);
+        };
+        Ok(Self { session, keys: Keys::new(&options.arena), options, opened })
+    }
+
+    /// The keys of this client's arena.
+    pub const fn keys(&self) -> &Keys {
+        &self.keys
+    }
+
+    /// How it was opened.
+    pub const fn options(&self) -> &ClientOptions {
+        &self.options
+    }
+
+    /// The session underneath.
+    pub const fn session(&self) -> &zenoh::Session {
+        &self.session
+    }
+
+    /// Sends a command and waits for the answer: done at which tick, or why not.
+    pub fn command(&self, command: &Command) -> Result<Reply, ClientError> {
+        command.check()?;
+        let bytes = self.ask(&self.keys.srv_command(), Some(&codec::encode_json(command)))?;
+        Ok(codec::decode_json(&bytes)?)
+    }
+
+    /// The world as it is now, in full precision.
+    pub fn snapshot(&self) -> Result<World, ClientError> {
+        Ok(codec::decode_world(&self.ask(&self.keys.srv_snapshot(), None)?)?)
+    }
+
+    /// The scene as served.
+    pub fn scene(&self) -> Result<Scene, ClientError> {
+        Ok(codec::decode_json(&self.ask(&self.keys.srv_scene(), None)?)?)
+    }
+
+    /// The newest statistics.
+    pub fn stats(&self) -> Result<Stats, ClientError> {
+        Ok(codec::decode_json(&self.ask(&self.keys.srv_stats(), None)?)?)
+    }
+
+    /// The newest statistics without waiting for a server to appear.
+    pub(crate) fn stats_now(&self, timeout: Duration) -> Result<Stats, ClientError> {
+        let key = self.keys.srv_stats();
+        let bytes = self.ask_once(&key, None, timeout)?.ok_or_else(|| self.no_server(timeout))?;
+        Ok(codec::decode_json(&bytes)?)
+    }
+
+    /// The world without waiting for a server to appear.
+    pub(crate) fn snapshot_now(&self) -> Result<World, ClientError> {
+        let timeout = self.options.timeout;
+        let bytes = self
+            .ask_once(&self.keys.srv_snapshot(), None, timeout)?
+            .ok_or_else(|| self.no_server(timeout))?;
+        Ok(codec::decode_world(&bytes)?)
+    }
+
+    /// Sends a command under a player's key and waits for nothing: a lost press is better than a late one.
+    pub fn press(&self, player: &Name, command: &Command) -> Result<(), ClientError> {
+        command.check()?;
+        self.session
+            .put(self.keys.cmd(player), codec::encode_json(command))
+            .encoding(Encoding::APPLICATION_JSON)
+            .priority(Priority::InteractiveHigh)
+            .congestion_control(CongestionControl::Drop)
+            .express(true)
+            .wait()?;
+        Ok(())
+    }
+
+    /// States, newest only: what is not read in time is overtaken by the next.
+    pub fn subscribe_state(&self) -> Result<Feed<Snapshot>, ClientError> {
+        Feed::subscribe(&self.session, &self.keys.state(), 1, codec::decode_state)
+    }
+
+    /// Hits. They are numbered, so a reader that falls far behind sees what it missed.
+    pub fn subscribe_events(&self) -> Result<Feed<Events>, ClientError> {
+        Feed::subscribe(&self.session, &self.keys.event(), 256, codec::decode_events)
+    }
+
+    /// Statistics, once a second.
+    pub fn subscribe_stats(&self) -> Result<Feed<Stats>, ClientError> {
+        Feed::subscribe(&self.session, &self.keys.stats(), 4, codec::decode_json)
+    }
+
+    /// Who of a role is there, and who comes and goes.
+    pub fn watch(&self, role: Role) -> Result<Presences, ClientError> {
+        Presences::watch(&self.session, &self.keys.alive_all(role))
+    }
+
+    /// Tells the others that someone is there, as long as the token is held.
+    pub fn announce(&self, role: Role, id: &Name) -> Result<LivelinessToken, ClientError> {
+        Ok(self.session.liveliness().declare_token(self.keys.alive(role, id)).wait()?)
+    }
+
+    /// The world and then its states, for ever.
+    pub fn follow(&self) -> Result<Follower, ClientError> {
+        Follower::new(self.clone())
+    }
+
+    /// Asks until somebody answers, as long as the client's patience lasts.
+    fn ask(&self, key: &str, payload: Option<&[u8]>) -> Result<Vec<u8>, ClientError> {
+        loop {
+            if let Some(answer) = self.ask_once(key, payload, self.options.timeout)? {
+                return Ok(answer);
+            }
+            // Nobody had declared this question, hence nobody acted on it: asking again is safe. Just after the
+            // session opened the server's declarations may not have arrived yet.
+            let waited = self.opened.elapsed();
+            if self.options.abort.is_aborted() {
+                return Err(ClientError::Aborted);
+            }
+            if matches!(self.options.patience, Patience::GiveUpAfter(limit) if waited > limit) {
+                return Err(self.no_server(waited));
+            }
+            std::thread::sleep(RETRY[0]);
+        }
+    }
+
+    /// One answer, or none when nobody serves this key.
+    fn ask_once(
+        &self,
+        key: &str,
+        payload: Option<&[u8]>,
+        timeout: Duration,
+    ) -> Result<Option<Vec<u8>>, ClientError> {
+        // Dropping what does not fit keeps the session's receiving thread free whatever is sent.
+        let (answers, inbox) = sync_channel(MAX_ANSWERS);
+        let mut question = self.session.get(key).timeout(timeout);
+        if let Some(payload) = payload {
+            question = question.payload(payload.to_vec()).encoding(Encoding::APPLICATION_JSON);
+        }
+        question.callback(move |reply| drop(answers.try_send(reply))).wait()?;
+        let no_answer = || ClientError::NoAnswer { question: key.to_owned(), waited: timeout };
+        match inbox.recv_timeout(timeout + RETRY[0]) {
+            Ok(reply) => match reply.into_result() {
+                Ok(sample) => Ok(Some(sample.payload().to_bytes().into_owned())),
+                Err(error) => match error.payload().try_to_string() {
+                    Ok(why) if why == "Timeout" => Err(no_answer()),
+                    why => {
+                        let why = why.map_or_else(|_| "no text".to_owned(), std::borrow::Cow::into_owned);
+                        Err(ClientError::Refused { question: key.to_owned(), why })
+                    }
+                },
+            },
+            Err(RecvTimeoutError::Disconnected) => Ok(None),
+            Err(RecvTimeoutError::Timeout) => Err(no_answer()),
+        }
+    }
+
+    fn no_server(&self, waited: Duration) -> ClientError {
+        // Whole tenths read better than the clock's nanoseconds.
+        let waited = Duration::from_millis(waited.as_millis() as u64 / 100 * 100);
+        ClientError::NoServer {
+            arena: self.options.arena.clone(),
+            whereabouts: self.options.whereabouts(),
+            waited,
+        }
+    }
+}

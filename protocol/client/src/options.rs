@@ -1,0 +1,116 @@
+//! Where the server is, how long to wait for it, and when to stop waiting.
+
+use crate::client::ClientError;
+use protocol::keys::{DEFAULT_ARENA, Name};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// Where a server listens unless told otherwise.
+pub const DEFAULT_ENDPOINT: &str = "tcp/127.0.0.1:7447";
+
+/// How to reach a server.
+#[derive(Clone, Debug)]
+pub struct ClientOptions {
+    /// Endpoints to connect to; with none, those of `config`, or [`DEFAULT_ENDPOINT`].
+    pub endpoints: Vec<String>,
+    /// A Zenoh configuration file (JSON5 or YAML); it is taken as it stands, but for the endpoints above.
+    pub config: Option<PathBuf>,
+    /// Which arena.
+    pub arena: Name,
+    /// How long to wait for a server.
+    pub patience: Patience,
+    /// How long to wait for one answer.
+    pub timeout: Duration,
+    /// Ends waiting and following from another thread.
+    pub abort: Abort,
+}
+
+impl Default for ClientOptions {
+    /// As for a tool on the server's machine.
+    fn default() -> Self {
+        Self {
+            endpoints: Vec::new(),
+            config: None,
+            arena: DEFAULT_ARENA.parse().expect("a valid name"),
+            patience: Patience::default(),
+            timeout: Duration::from_secs(5),
+            abort: Abort::default(),
+        }
+    }
+}
+
+/// How long to wait for a server.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Patience {
+    /// As a tool does.
+    GiveUpAfter(Duration),
+    /// As a daemon does, until aborted.
+    WaitForServer,
+}
+
+impl Default for Patience {
+    fn default() -> Self {
+        Self::GiveUpAfter(Duration::from_secs(3))
+    }
+}
+
+/// A switch that ends waiting, shared by its clones.
+#[derive(Clone, Debug, Default)]
+pub struct Abort(Arc<AtomicBool>);
+
+impl Abort {
+    /// Throws the switch, for ever.
+    pub fn abort(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it has been thrown.
+    pub fn is_aborted(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+impl ClientOptions {
+    /// The endpoints in words, for messages.
+    pub(crate) fn whereabouts(&self) -> String {
+        match (self.endpoints.as_slice(), &self.config) {
+            ([], Some(file)) => format!("the endpoints of {}", file.display()),
+            ([], None) => DEFAULT_ENDPOINT.to_owned(),
+            (endpoints, _) => endpoints.join(", "),
+        }
+    }
+
+    /// Zenoh's configuration of a client: it speaks with the named endpoints and looks for no others.
+    pub(crate) fn zenoh_config(&self) -> Result<zenoh::Config, ClientError> {
+        let mut config = match &self.config {
+            Some(file) => zenoh::Config::from_file(file)
+                .map_err(|e| ClientError::Config { what: file.display().to_string(), why: e.to_string() })?,
+            None => zenoh::Config::default(),
+        };
+        let mut set = |key: &str, value: &str| {
+            config
+                .insert_json5(key, value)
+                .map_err(|e| ClientError::Config { what: format!("{key} = {value}"), why: e.to_string() })
+        };
+        if self.config.is_none() {
+            set("mode", "\"client\"")?;
+            set("scouting/multicast/enabled", "false")?;
+            set("scouting/gossip/enabled", "false")?;
+            set("listen/endpoints", "[]")?;
+            // After a restart of the server the first state is there within this period.
+            set("connect/retry", "{ period_init_ms: 100, period_max_ms: 500, period_increase_factor: 1.5 }")?;
+            // A frozen client is missed after its own lease.
+            set("transport/link/tx/lease", "2000")?;
+        }
+        let default = [DEFAULT_ENDPOINT.to_owned()];
+        let endpoints = match (self.endpoints.as_slice(), &self.config) {
+            ([], Some(_)) => return Ok(config),
+            ([], None) => default.as_slice(),
+            (endpoints, _) => endpoints,
+        };
+        set("connect/endpoints", &serde_json::to_string(endpoints).expect("a list of texts"))?;
+        Ok(config)
+    }
+}

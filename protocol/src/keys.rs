@@ -1,0 +1,197 @@
+//! The names under which everything travels: `ballroom/v1/<arena>/…`.
+//!
+//! | key | who speaks | what |
+//! |---|---|---|
+//! | `state` | server | a [`Snapshot`](crate::snapshot::Snapshot) each tick, as a binary frame ([`codec`](crate::codec)) |
+//! | `event` | server | [`Events`](crate::event::Events), JSON |
+//! | `stats` | server | [`Stats`](crate::stats::Stats) once a second, JSON |
+//! | `meta/scene` | server | the [`Scene`](crate::scene::Scene) at each start of an epoch, JSON |
+//! | `cmd/<player>` | player | one line of JSON, unanswered |
+//! | `srv/command` | anyone, asked | a command in, a [`Reply`](crate::command::Reply) out, JSON |
+//! | `srv/snapshot` | anyone, asked | the [`World`](crate::snapshot::World), binary or `?format=json` |
+//! | `srv/scene` | anyone, asked | the scene, JSON |
+//! | `srv/stats` | anyone, asked | the newest statistics, JSON |
+//! | `srv/info` | anyone, asked | frames, units, versions, JSON |
+//! | `alive/<role>/<id>` | each for itself | a liveliness token while it lives |
+//!
+//! The chunk `v1` changes when old and new can no longer understand each other.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Longest [`Name`], bytes.
+pub const MAX_NAME_BYTES: usize = 32;
+
+/// The arena when nobody names one.
+pub const DEFAULT_ARENA: &str = "main";
+
+/// A chunk of a key: 1 to 32 of `a-z`, `0-9`, `_` and `-`, so that no name can smuggle in a wildcard or a slash.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Name(String);
+
+/// Why a text is no [`Name`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the name {given:?} is not 1 to 32 of a-z, 0-9, _ and -")]
+pub struct BadName {
+    /// What was given, cut at 64 bytes.
+    given: String,
+}
+
+impl Name {
+    /// The text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl FromStr for Name {
+    type Err = BadName;
+
+    fn from_str(text: &str) -> Result<Self, BadName> {
+        let allowed = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_' || b == b'-';
+        if (1..=MAX_NAME_BYTES).contains(&text.len()) && text.bytes().all(allowed) {
+            Ok(Self(text.to_owned()))
+        } else {
+            Err(BadName { given: text.chars().take(64).collect() })
+        }
+    }
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// Who holds a liveliness token.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// An arena; its id is the server's instance.
+    Server,
+    /// Someone who looks.
+    Viewer,
+    /// Someone who steers.
+    Player,
+}
+
+impl Role {
+    const fn chunk(self) -> &'static str {
+        match self {
+            Self::Server => "server",
+            Self::Viewer => "viewer",
+            Self::Player => "player",
+        }
+    }
+}
+
+/// All keys of one arena.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Keys {
+    prefix: String,
+}
+
+impl Keys {
+    /// The keys of `arena`.
+    pub fn new(arena: &Name) -> Self {
+        Self { prefix: format!("ballroom/v1/{arena}") }
+    }
+
+    /// States, one a tick.
+    pub fn state(&self) -> String {
+        self.under("state")
+    }
+
+    /// Hits.
+    pub fn event(&self) -> String {
+        self.under("event")
+    }
+
+    /// Statistics.
+    pub fn stats(&self) -> String {
+        self.under("stats")
+    }
+
+    /// The scene, published at each start of an epoch.
+    pub fn meta_scene(&self) -> String {
+        self.under("meta/scene")
+    }
+
+    /// One player's unanswered commands.
+    pub fn cmd(&self, player: &Name) -> String {
+        self.under(&format!("cmd/{player}"))
+    }
+
+    /// All players' unanswered commands.
+    pub fn cmd_of_anyone(&self) -> String {
+        self.under("cmd/*")
+    }
+
+    /// Whose command arrived under `key`, if it is one of this arena's.
+    pub fn player_of(&self, key: &str) -> Option<Name> {
+        key.strip_prefix(&self.prefix)?.strip_prefix("/cmd/")?.parse().ok()
+    }
+
+    /// Commands that are answered.
+    pub fn srv_command(&self) -> String {
+        self.under("srv/command")
+    }
+
+    /// The world for late joiners.
+    pub fn srv_snapshot(&self) -> String {
+        self.under("srv/snapshot")
+    }
+
+    /// The scene, asked for.
+    pub fn srv_scene(&self) -> String {
+        self.under("srv/scene")
+    }
+
+    /// The newest statistics, asked for.
+    pub fn srv_stats(&self) -> String {
+        self.under("srv/stats")
+    }
+
+    /// Frames, units, versions.
+    pub fn srv_info(&self) -> String {
+        self.under("srv/info")
+    }
+
+    /// One token.
+    pub fn alive(&self, role: Role, id: &Name) -> String {
+        self.under(&format!("alive/{}/{id}", role.chunk()))
+    }
+
+    /// All tokens of a role.
+    pub fn alive_all(&self, role: Role) -> String {
+        self.under(&format!("alive/{}/*", role.chunk()))
+    }
+
+    fn under(&self, rest: &str) -> String {
+        format!("{}/{rest}", self.prefix)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_admit_no_wildcard_slash_or_emptiness() {
+        for good in ["main", "a", "player-1_x", &"z".repeat(32)] {
+            assert_eq!(good.parse::<Name>().unwrap().as_str(), good);
+        }
+        for bad in ["", "*", "a/b", "A", "é", "a b", "$x", &"z".repeat(33)] {
+            assert!(bad.parse::<Name>().is_err(), "{bad:?}");
+        }
+    }
+
+    #[test]
+    fn a_player_is_read_back_from_its_key() {
+        let keys = Keys::new(&"main".parse().unwrap());
+        let player: Name = "p1".parse().unwrap();
+        assert_eq!(keys.cmd(&player), "ballroom/v1/main/cmd/p1");
+        assert_eq!(keys.player_of(&keys.cmd(&player)), Some(player));
+        assert_eq!(keys.player_of("ballroom/v1/other/cmd/p1"), None);
+        assert_eq!(keys.player_of("ballroom/v1/main/cmd/p1/x"), None);
+    }
+}
