@@ -8,19 +8,27 @@
 //! | [`trail_view`], [`hit_view`] | tracks and flashes |
 //! | [`plots`], [`blueprint`], [`palette`] | numbers over time, layout, colours |
 //! | [`recording`] | a Rerun stream and its three timelines |
-//! | [`feed`], [`logger`] | the latest-only slot, and the thread behind it that owns a stream |
+//! | [`slot`], [`logger`] | the latest-only slot, and the thread behind it that owns a stream |
 //! | [`live`] | serving viewers: gRPC, the web viewer, the native one |
+//! | [`bridge`] | the whole: recordings, and the network that feeds them |
+//! | [`process`] | logs, signals, bounded ends |
+//! | `demo` | keys, commands and the status line of the main job |
+//! | [`bridge`] | recordings and the network that feeds them |
 
 pub mod ball_mesh;
 pub mod ball_view;
 pub mod blueprint;
-pub mod feed;
+pub mod bridge;
+pub mod slot;
+#[cfg(feature = "demo")]
+pub mod demo;
 pub mod floor_mesh;
 pub mod hit_view;
 pub mod live;
 pub mod logger;
 pub mod palette;
 pub mod plots;
+pub mod process;
 pub mod recording;
 pub mod scene_view;
 pub mod surface;

@@ -1,6 +1,6 @@
 //! Numbers over time: energy, hits, tick time, speed, and what the bridge itself received, showed and dropped.
 
-use crate::feed::Counts;
+use crate::slot::Counts;
 use crate::recording::Recording;
 use protocol::snapshot::{Collisions, Snapshot};
 use protocol::stats::Stats;

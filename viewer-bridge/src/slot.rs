@@ -23,7 +23,7 @@ pub struct Note {
     pub text: String,
 }
 
-/// What a feed has seen since it was made.
+/// What a slot has seen since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// States that came.
@@ -55,7 +55,7 @@ pub struct News {
 
 /// The slot between one writer and one logging thread.
 #[derive(Default)]
-pub struct Feed {
+pub struct Slot {
     inside: Mutex<Inside>,
     changed: Condvar,
 }
@@ -72,7 +72,7 @@ struct Inside {
 }
 
 impl Inside {
-    const fn has_news(&self) -> bool {
+    fn has_news(&self) -> bool {
         self.world.is_some()
             || self.state.is_some()
             || !self.hits.is_empty()
@@ -81,7 +81,7 @@ impl Inside {
     }
 }
 
-impl Feed {
+impl Slot {
     /// A world to start from; what waited before it is overtaken.
     pub fn world(&self, world: Arc<World>) {
         let mut inside = self.lock();
@@ -179,38 +179,38 @@ mod tests {
 
     #[test]
     fn only_the_newest_state_waits_and_the_others_are_counted() {
-        let feed = Feed::default();
-        (1..=10).for_each(|tick| feed.state(state(tick)));
-        let news = feed.take(Duration::ZERO).unwrap();
+        let slot = Slot::default();
+        (1..=10).for_each(|tick| slot.state(state(tick)));
+        let news = slot.take(Duration::ZERO).unwrap();
         assert_eq!(news.state.unwrap().tick, 10);
         assert_eq!(news.counts, Counts { received: 10, shown: 1, dropped: 9, hits_dropped: 0 });
     }
 
     #[test]
     fn every_state_is_shown_or_dropped() {
-        let feed = Arc::new(Feed::default());
+        let slot = Arc::new(Slot::default());
         let writer = {
-            let feed = feed.clone();
+            let slot = slot.clone();
             std::thread::spawn(move || {
-                (0..5000).for_each(|tick| feed.state(state(tick)));
-                feed.close();
+                (0..5000).for_each(|tick| slot.state(state(tick)));
+                slot.close();
             })
         };
         let mut last = None;
-        while let Some(news) = feed.take(Duration::from_secs(1)) {
+        while let Some(news) = slot.take(Duration::from_secs(1)) {
             let tick = news.state.map(|s| s.tick);
             assert!(tick > last, "states go forward");
             last = tick;
         }
         writer.join().unwrap();
-        let counts = feed.counts();
+        let counts = slot.counts();
         assert_eq!((last, counts.received), (Some(4999), 5000));
         assert_eq!(counts.shown + counts.dropped, counts.received);
     }
 
     #[test]
     fn hits_and_notes_are_bounded_and_the_newest_stay() {
-        let feed = Feed::default();
+        let slot = Slot::default();
         let hit = |sequence| Event {
             epoch: 1,
             sequence,
@@ -220,9 +220,9 @@ mod tests {
             point_m: [0.0; 3],
             impulse_n_s: 1.0,
         };
-        feed.hits((0..5000).map(hit));
-        (0..100).for_each(|i| feed.note(false, i.to_string()));
-        let news = feed.take(Duration::ZERO).unwrap();
+        slot.hits((0..5000).map(hit));
+        (0..100).for_each(|i| slot.note(false, i.to_string()));
+        let news = slot.take(Duration::ZERO).unwrap();
         assert_eq!((news.hits.len(), news.hits.last().unwrap().sequence), (MAX_HITS, 4999));
         assert_eq!((news.notes.len(), news.notes.last().unwrap().text.as_str()), (MAX_NOTES, "99"));
         assert_eq!(news.counts.hits_dropped, 5000 - MAX_HITS as u64);
@@ -230,10 +230,10 @@ mod tests {
 
     #[test]
     fn a_closed_feed_gives_out_what_waits_and_then_ends() {
-        let feed = Feed::default();
-        feed.state(state(1));
-        feed.close();
-        assert!(feed.take(Duration::from_secs(60)).unwrap().state.is_some());
-        assert!(feed.take(Duration::from_secs(60)).is_none());
+        let slot = Slot::default();
+        slot.state(state(1));
+        slot.close();
+        assert!(slot.take(Duration::from_secs(60)).unwrap().state.is_some());
+        assert!(slot.take(Duration::from_secs(60)).is_none());
     }
 }
