@@ -36,6 +36,6 @@ pub enum Other {
 pub struct Events {
     /// The hits.
     pub events: Vec<Event>,
-    /// Hits left out since the epoch began because the buffer was full.
+    /// Hits left out since the arena started because a buffer was full; their numbers are missing from `sequence`.
     pub dropped: u64,
 }

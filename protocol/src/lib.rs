@@ -8,12 +8,14 @@
 //! | [`snapshot`] | the state of all balls at a tick |
 //! | [`event`] | one hit, with time, place and impulse |
 //! | [`stats`] | what the server says of itself once a second |
+//! | [`info`] | frames, units and versions, for whoever asks |
 //! | [`keys`] | the names under which all this travels |
 //! | [`codec`] | bytes to values and back; every limit on size stands there |
 
 pub mod codec;
 pub mod command;
 pub mod event;
+pub mod info;
 pub mod keys;
 pub mod scene;
 pub mod scene_text;

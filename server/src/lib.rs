@@ -1,1 +1,29 @@
-//! Placeholder.
+//! Ballroom's server: an authoritative simulation of rolling and colliding balls.
+//!
+//! A command travels from `network` through the `inbox` to the `tick_loop`, which applies it to the `simulation` at a
+//! tick; a state travels from there through the `handover` to the publisher in `network`. One world with all of these is
+//! an [`Arena`].
+//!
+//! | file | what |
+//! |---|---|
+//! | [`scene_file`] | from the text people write to what the engine takes |
+//! | [`simulation`] | commands in, ticks on, states out; no clock, no I/O |
+//! | [`inbox`] | commands as they arrive: bounded, in order |
+//! | [`tick_loop`] | a fixed rate, on a plain thread |
+//! | [`meter`] | how long ticks take |
+//! | [`handover`] | from the tick thread to the publisher |
+//! | `network` | the only place that names Zenoh |
+//! | [`arena`] | all of it together |
+
+pub mod arena;
+pub mod handover;
+pub mod inbox;
+pub mod meter;
+mod network;
+pub mod scene_file;
+pub mod simulation;
+pub mod tick_loop;
+
+pub use arena::{Arena, ArenaError, ArenaHandle, ArenaOptions};
+pub use network::NetworkError;
+pub use scene_file::{LoadedScene, SceneError, SceneText};

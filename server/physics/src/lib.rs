@@ -12,7 +12,10 @@
 //! | [`schedule`] | in which order |
 
 pub mod controller;
+pub mod detect;
 pub mod diagnostics;
+pub mod motion;
+pub mod resolve;
 pub mod scene;
 pub mod schedule;
 pub mod surface;

@@ -1,1 +1,94 @@
-//! Every threshold, with its reason. Nothing else in the engine compares against a number of its own.
+//! Every threshold, with its unit and its reason: why not more, why not less. Nothing else in the engine
+//! compares against a number of its own.
+
+use crate::schedule::time::QUANTUM;
+
+/// Time over which an error of velocity becomes one of position when errors are weighed, s. A ball on a floor
+/// with curvature near 1/m swings at about 3 rad/s, which turns dv into dv/3; more overrates, less hides.
+pub const ERROR_TIME: f64 = 0.35;
+
+/// Longest step, s. Longer ones are refused by the error estimate on any floor worth the name.
+pub const STEP_MAX: f64 = 0.5;
+/// Shortest step, s: 2^-20. Below it the estimate is rounding, and halving would not end.
+pub const STEP_MIN: f64 = 1.0 / 1_048_576.0;
+/// First step tried, s; ten halvings lie between it and the shortest that scenes need.
+pub const STEP_FIRST: f64 = 0.0625;
+/// Error after doubling a step over error before, against an allowance that grows twofold: 2^9 / 2 = 256 for
+/// a solution of order 8, and a margin of 1.5 that keeps acceptance likely.
+pub const GROWTH_OF_DOUBLING: f64 = 384.0;
+/// Part of the wanted error that the steps of one second may use up. The estimate is of lower order than the
+/// solution and overrates its error, so that the whole tolerance each second leaves a margin at 10 s.
+pub const ERROR_PER_SECOND: f64 = 1.0;
+
+/// Error one step of `h` seconds may have when `tolerance` metres are wanted, m.
+pub fn allowed_error(tolerance: f64, h: f64) -> f64 {
+    ERROR_PER_SECOND * tolerance * h
+}
+
+/// Longest piece of a turn by quadrature on a plane, s.
+pub const TURN_STEP: f64 = QUANTUM;
+/// Most pieces of a turn; a parabola of a rolling ball under force is cut after so many.
+pub const TURN_STEPS_MAX: f64 = 64.0;
+
+/// Centre travel in one detection window, in radii. More makes windows rarer and neighbours more; 2 is near
+/// the minimum for a gas that covers a fifth of the floor, and the minimum is flat.
+pub const WINDOW_TRAVEL: f64 = 2.0;
+/// Longest window, s.
+pub const WINDOW_MAX: f64 = 1.0;
+/// Shortest window, s: 2^-40.
+pub const WINDOW_MIN: f64 = 1.0 / 1_099_511_627_776.0;
+
+/// Normal speed below which a hit is taken without rebound, m/s. It costs less than 1e-12 J/kg a hit; a larger
+/// one is felt in grazing hits, a smaller one lets bouncing balls hit without end.
+pub const REST_SPEED: f64 = 1e-6;
+/// Slow hits of one ball within a quantum before it is held until the quantum ends. Honest sequences of slow
+/// hits are shorter; a pile makes any number.
+pub const REST_HITS_MAX: u32 = 16;
+/// Hits within one quantum before every further one counts as slow: a bound of work, not of time.
+pub const HITS_PER_QUANTUM_MAX: u64 = 1 << 26;
+
+/// Gap below which balls count as touching when one of them is hit, in ulps of the larger coordinate.
+pub const TOUCH_ULPS: f64 = 4.0;
+/// The same on a curved floor, m per metre of coordinate: what integration leaves of an exact symmetry. A
+/// larger one would merge hits that are truly apart.
+pub const TOUCH_CURVED: f64 = 1e-13;
+/// Overlap that a scene may start with, in ulps.
+pub const OVERLAP_ULPS: f64 = 4.0;
+
+/// Correction of a hit's place below which it is applied to first order, m.
+pub const POLISH: f64 = 1e-9;
+/// Corrections by integrating afresh before the rest is applied to first order.
+pub const POLISH_ROUNDS: u32 = 4;
+
+/// Contacts solved as one impact; more are solved one after the other in order of their ids.
+pub const CLUSTER_MAX: usize = 256;
+/// Reflections of a cluster per contact before it is projected instead.
+pub const REFLECTIONS_PER_CONTACT: usize = 200;
+/// Closing speed below which a contact of a cluster counts as satisfied, relative to the fastest ball.
+pub const CLUSTER_SATISFIED: f64 = 1e-14;
+
+/// Halvings of an interval before a root is taken as a touch without crossing.
+pub const ROOT_DEPTH_MAX: u32 = 48;
+/// Newton and bisection steps of one root.
+pub const ROOT_STEPS_MAX: u32 = 80;
+
+/// Largest certified curvature times radius that a floor may have: the equations divide by 1 minus it.
+pub const CURVATURE_MAX: f64 = 0.999;
+
+/// Relative width at which a certified bracket is tight enough. Less costs boxes, more refuses balls that fit.
+pub const BRACKET_WIDTH: f64 = 2e-4;
+/// Curvature times the floor's size below which a floor counts as flat: a bracket around 0 has no relative width.
+pub const BRACKET_FLAT: f64 = 1e-6;
+/// Boxes looked at in one certified search, some half a second at degree 10 x 10; usual floors need hundreds. A search
+/// that runs out returns the wider bracket it has.
+pub const BRACKET_BOXES_MAX: usize = 60_000;
+/// Halvings of one parameter in a certified search: 2^-26 is where second derivatives are rounding, and what is
+/// undecided there is degenerate.
+pub const BRACKET_HALVINGS_MAX: u32 = 26;
+
+/// Hits kept for the caller of an advance.
+pub const HITS_KEPT: usize = 65_536;
+
+const _: () = assert!(STEP_MIN < STEP_FIRST && STEP_FIRST <= STEP_MAX);
+const _: () = assert!(WINDOW_MIN < WINDOW_MAX);
+const _: () = assert!(TOUCH_CURVED < POLISH);

@@ -1,2 +1,8 @@
 //! In which order things happen.
+//!
+//! `time` is the clock, `event` what can come next for a ball and the one total order of ties, `queue` finds
+//! the first of all.
+
+pub mod event;
+pub mod queue;
 pub mod time;

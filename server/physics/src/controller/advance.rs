@@ -1,0 +1,85 @@
+//! An advance: the first event of all, again and again, until the caller's time.
+
+use super::Controller;
+use crate::motion::arc::Path;
+use crate::motion::law::State;
+use crate::schedule::event::{Next, What};
+use crate::schedule::time::Time;
+
+impl Controller {
+    /// Advances to `time`: every hit up to and including it is resolved. Earlier times do nothing.
+    pub fn advance_to(&mut self, time: Time) {
+        self.hits.clear();
+        if time <= self.time {
+            return;
+        }
+        self.time = time;
+        loop {
+            let (ball, next) = self.queue.first();
+            let next = *next;
+            if next.time > time {
+                break;
+            }
+            self.now = self.now.max(next.time);
+            self.take(ball, &next);
+        }
+        self.observe();
+    }
+
+    fn take(&mut self, ball: usize, next: &Next) {
+        match next.what {
+            What::Ball { other, stamp } if self.balls[other as usize].stamp == stamp => {
+                self.collide_balls(ball, other as usize, next.time);
+            }
+            // The other ball went elsewhere: search again.
+            What::Ball { .. } => self.predict(ball),
+            What::Wall { wall } => self.collide_wall(ball, wall as usize, next.time),
+            What::Renew => self.renew(ball, next.time),
+        }
+    }
+
+    /// The window or the arc ends.
+    fn renew(&mut self, ball: usize, time: Time) {
+        if self.balls[ball].drive.is_some() && time.offset() == 0.0 && self.steer_anew(ball, time) {
+            return;
+        }
+        let arc = &self.arcs[ball];
+        if arc.finish() <= time {
+            match arc.path {
+                Path::Curved => {
+                    let [state, slope] = arc.end;
+                    self.relaunch(ball, time, &state, Some(&slope));
+                }
+                Path::Parabola | Path::Held => {
+                    let dt = time.since(arc.start);
+                    let state = arc.land(&self.balls[ball].body, &self.surface, self.accuracy, dt).0;
+                    self.relaunch(ball, time, &state, None);
+                }
+            }
+        }
+        self.predict(ball);
+    }
+
+    /// Closes the present arc and puts the ball on a new one. Its predictions by others stay true only if it goes
+    /// on as before, which is when `slope` is given.
+    pub(super) fn relaunch(&mut self, ball: usize, time: Time, state: &State, slope: Option<&State>) {
+        let arc = &self.arcs[ball];
+        self.report.negative_reaction += arc.negative_reaction(time.since(arc.start));
+        self.launch(ball, time, state, slope);
+    }
+
+    /// Puts a ball on a new arc.
+    pub(super) fn launch(&mut self, ball: usize, time: Time, state: &State, slope: Option<&State>) {
+        let b = &mut self.balls[ball];
+        let before = b.stepping.steps;
+        b.body.launch(
+            &self.surface,
+            self.accuracy,
+            (time, state, slope),
+            &mut b.stepping,
+            &mut self.arcs[ball],
+        );
+        b.stamp = b.stamp.wrapping_add(1);
+        self.report.steps += b.stepping.steps - before;
+    }
+}

@@ -1,0 +1,337 @@
+//! A hit: land on it exactly, gather who touches, resolve, and put whoever was moved on a new arc.
+
+use super::Controller;
+use crate::diagnostics::{Hit, HitPartner};
+use crate::motion::arc::Path;
+use crate::motion::law::{State, velocity};
+use crate::resolve::impact::{Contact, Member, resolve_cluster, resolve_one};
+use crate::schedule::time::{QUANTUM, Time};
+use crate::tolerance::{
+    CLUSTER_MAX, HITS_KEPT, HITS_PER_QUANTUM_MAX, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
+    TOUCH_CURVED, TOUCH_ULPS,
+};
+use nalgebra::Vector3;
+
+type V3 = Vector3<f64>;
+
+/// A ball landed on the instant of an impact.
+#[derive(Clone, Copy, Debug)]
+struct Landed {
+    ball: usize,
+    state: State,
+    slope: State,
+    center: V3,
+}
+
+/// Whom a contact of the cluster joins, beside what the solver needs.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    ball: usize,
+    partner: HitPartner,
+}
+
+/// The impact being resolved; its lists are reused.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cluster {
+    landed: Vec<Landed>,
+    members: Vec<Member>,
+    before: Vec<V3>,
+    pairs: Vec<Pair>,
+    contacts: Vec<Contact>,
+    impulses: Vec<f64>,
+    found: Vec<usize>,
+}
+
+impl Cluster {
+    fn clear(&mut self) {
+        self.landed.clear();
+        self.members.clear();
+        self.pairs.clear();
+        self.contacts.clear();
+    }
+}
+
+impl Controller {
+    /// Resolves the hit of two balls predicted for `time`.
+    pub(super) fn collide_balls(&mut self, a: usize, b: usize, time: Time) {
+        let (a, b) = (a.min(b), a.max(b));
+        let reach = self.balls[a].body.radius + self.balls[b].body.radius;
+        let mut t = time;
+        let mut cluster = std::mem::take(&mut self.work.cluster);
+        cluster.clear();
+        for round in 0..=POLISH_ROUNDS {
+            let (la, lb) = (self.land(a, t), self.land(b, t));
+            let apart = lb.center - la.center;
+            let distance = apart.norm();
+            let closing = (velocity(&la.state) - velocity(&lb.state)).dot(&apart) / distance;
+            let Some(shift) = self.correction(distance - reach, closing, &[la, lb], t) else {
+                self.enter(&mut cluster, la);
+                self.enter(&mut cluster, lb);
+                break;
+            };
+            t = t.after(shift);
+            if round == POLISH_ROUNDS || (shift * closing).abs() <= POLISH {
+                for landed in [la, lb] {
+                    let moved = self.shifted(landed, shift);
+                    self.enter(&mut cluster, moved);
+                }
+                break;
+            }
+        }
+        let apart = cluster.landed[1].center - cluster.landed[0].center;
+        let distance = apart.norm();
+        self.report.deepest_penetration = self.report.deepest_penetration.max(reach - distance);
+        cluster.contacts.push(Contact { a: 0, b: Some(1), line: apart / distance });
+        cluster.pairs.push(Pair { ball: a, partner: HitPartner::Ball(b) });
+        self.resolve(cluster, t);
+    }
+
+    /// Resolves the hit of a ball and a wall predicted for `time`.
+    pub(super) fn collide_wall(&mut self, ball: usize, wall: usize, time: Time) {
+        let plane = self.walls[wall];
+        let radius = self.balls[ball].body.radius;
+        let mut t = time;
+        let mut cluster = std::mem::take(&mut self.work.cluster);
+        cluster.clear();
+        for round in 0..=POLISH_ROUNDS {
+            let landed = self.land(ball, t);
+            let closing = -velocity(&landed.state).dot(&plane.normal);
+            let gap = plane.distance(&landed.center) - radius;
+            let Some(shift) = self.correction(gap, closing, &[landed], t) else {
+                self.enter(&mut cluster, landed);
+                break;
+            };
+            t = t.after(shift);
+            if round == POLISH_ROUNDS || (shift * closing).abs() <= POLISH {
+                let moved = self.shifted(landed, shift);
+                self.enter(&mut cluster, moved);
+                break;
+            }
+        }
+        let depth = radius - plane.distance(&cluster.landed[0].center);
+        self.report.deepest_penetration = self.report.deepest_penetration.max(depth);
+        cluster.contacts.push(Contact { a: 0, b: None, line: -plane.normal });
+        cluster.pairs.push(Pair { ball, partner: HitPartner::Wall(wall) });
+        self.resolve(cluster, t);
+    }
+
+    fn land(&self, ball: usize, time: Time) -> Landed {
+        let (arc, body) = (&self.arcs[ball], &self.balls[ball].body);
+        let dt = time.since(arc.start).max(0.0);
+        let (state, slope) = arc.land(body, &self.surface, self.accuracy, dt);
+        let center = body.seat(&self.surface, &state).0;
+        Landed { ball, state, slope, center }
+    }
+
+    /// Seconds by which a hit must be moved to close `gap`; None when it stands within rounding, or when nothing
+    /// closes. Never before the arcs begin.
+    fn correction(&self, gap: f64, closing: f64, landed: &[Landed], time: Time) -> Option<f64> {
+        let size = landed.iter().map(|l| l.center.amax()).fold(0.0, f64::max);
+        if closing <= REST_SPEED || gap.abs() <= TOUCH_ULPS * f64::EPSILON * size {
+            return None;
+        }
+        let earliest = landed
+            .iter()
+            .map(|l| -time.since(self.arcs[l.ball].start).max(0.0))
+            .fold(f64::NEG_INFINITY, f64::max);
+        Some((gap / closing).max(earliest))
+    }
+
+    /// A landed ball moved by a small time along its slope.
+    fn shifted(&self, mut landed: Landed, shift: f64) -> Landed {
+        let body = &self.balls[landed.ball].body;
+        for (y, s) in landed.state.iter_mut().zip(&landed.slope) {
+            *y += s * shift;
+        }
+        body.settle(&self.surface, &mut landed.state);
+        landed.center = body.seat(&self.surface, &landed.state).0;
+        landed
+    }
+
+    fn enter(&self, cluster: &mut Cluster, landed: Landed) {
+        let ball = &self.balls[landed.ball];
+        let normal = ball.body.seat(&self.surface, &landed.state).1;
+        let member = Member { velocity: velocity(&landed.state), normal, inverse_mass: ball.inverse_mass };
+        cluster.landed.push(landed);
+        cluster.members.push(member);
+    }
+
+    /// Resolves the cluster around its first contact at `time`.
+    fn resolve(&mut self, mut cluster: Cluster, time: Time) {
+        self.now = self.now.max(time);
+        if self.work.quantum != time.quantum() {
+            self.work.quantum = time.quantum();
+            self.work.hits = 0;
+        }
+        self.work.hits += 1;
+        let slow = cluster.contacts[0].closing(&cluster.members) <= REST_SPEED
+            || self.work.hits > HITS_PER_QUANTUM_MAX;
+        if slow {
+            self.report.rest_hits += 1;
+            // A slow hit does not move a ball that is held.
+            for (landed, member) in cluster.landed.iter().zip(&mut cluster.members) {
+                if self.arcs[landed.ball].path == Path::Held {
+                    member.inverse_mass = 0.0;
+                }
+            }
+        }
+        self.gather(&mut cluster, time);
+        cluster.before.clear();
+        cluster.before.extend(cluster.members.iter().map(|m| m.velocity));
+        let elastic = if slow { 0.0 } else { self.restitution };
+        cluster.impulses.clear();
+        cluster.impulses.resize(cluster.contacts.len(), 0.0);
+        if cluster.contacts.len() == 1 {
+            cluster.impulses[0] = resolve_one(&mut cluster.members, &cluster.contacts[0], elastic);
+        } else {
+            self.report.clusters += 1;
+            let e = |closing: f64| if closing <= REST_SPEED { 0.0 } else { elastic };
+            let Cluster { members, contacts, impulses, .. } = &mut cluster;
+            if !resolve_cluster(members, contacts, e, impulses, &mut self.work.scratch) {
+                self.report.fallbacks += 1;
+            }
+        }
+        self.record(&cluster, time);
+        self.relaunch_moved(&mut cluster, time, slow);
+        self.work.cluster = cluster;
+    }
+
+    /// Adds to the cluster every ball and wall that touches a member, and theirs.
+    fn gather(&self, cluster: &mut Cluster, time: Time) {
+        let mut place = 0;
+        while place < cluster.landed.len() {
+            let (ball, center) = (cluster.landed[place].ball, cluster.landed[place].center);
+            let radius = self.balls[ball].body.radius;
+            for (wall, plane) in self.walls.iter().enumerate() {
+                let known =
+                    cluster.pairs.iter().any(|p| p.ball == ball && p.partner == HitPartner::Wall(wall));
+                if !known
+                    && plane.distance(&center) - radius <= self.touch(&center)
+                    && cluster.contacts.len() < CLUSTER_MAX
+                {
+                    cluster.contacts.push(Contact { a: place, b: None, line: -plane.normal });
+                    cluster.pairs.push(Pair { ball, partner: HitPartner::Wall(wall) });
+                }
+            }
+            let mut found = std::mem::take(&mut cluster.found);
+            found.clear();
+            self.broad_phase.neighbours(ball, |other| {
+                let arc = &self.arcs[other];
+                let apart = arc.center_at(time.since(arc.start)) - center;
+                let reach = radius + self.balls[other].body.radius + POLISH;
+                if apart.norm_squared() <= reach * reach {
+                    found.push(other);
+                }
+            });
+            found.sort_unstable();
+            for other in &found {
+                self.join(cluster, place, *other, time);
+            }
+            cluster.found = found;
+            place += 1;
+        }
+    }
+
+    /// Adds the contact of member `place` with ball `other` if they touch and it is new.
+    fn join(&self, cluster: &mut Cluster, place: usize, other: usize, time: Time) {
+        let (ball, center) = (cluster.landed[place].ball, cluster.landed[place].center);
+        let known = cluster.landed.iter().position(|l| l.ball == other);
+        if known.is_some_and(|k| k < place) || cluster.contacts.len() >= CLUSTER_MAX {
+            return;
+        }
+        let pair = Pair { ball: ball.min(other), partner: HitPartner::Ball(ball.max(other)) };
+        if cluster.pairs.iter().any(|p| p.ball == pair.ball && p.partner == pair.partner) {
+            return;
+        }
+        let landed = known.map_or_else(|| self.land(other, time), |k| cluster.landed[k]);
+        let apart = landed.center - center;
+        let reach = self.balls[ball].body.radius + self.balls[other].body.radius;
+        let distance = apart.norm();
+        if distance - reach > self.touch(&center) {
+            return;
+        }
+        let b = known.unwrap_or_else(|| {
+            self.enter(cluster, landed);
+            cluster.landed.len() - 1
+        });
+        // The line runs from the smaller id to the larger, so that sums do not depend on who was found first.
+        let (a, b, sign) = if ball < other { (place, b, 1.0) } else { (b, place, -1.0) };
+        cluster.contacts.push(Contact { a, b: Some(b), line: apart * (sign / distance) });
+        cluster.pairs.push(pair);
+    }
+
+    /// Gap below which things at `center` count as touching, m.
+    fn touch(&self, center: &V3) -> f64 {
+        let size = center.amax();
+        let ulps = TOUCH_ULPS * f64::EPSILON * size;
+        if self.surface.is_flat() { ulps } else { ulps.max(TOUCH_CURVED * (1.0 + size)) }
+    }
+
+    fn record(&mut self, cluster: &Cluster, time: Time) {
+        for ((contact, pair), impulse) in cluster.contacts.iter().zip(&cluster.pairs).zip(&cluster.impulses) {
+            if *impulse <= 0.0 {
+                continue;
+            }
+            match pair.partner {
+                HitPartner::Ball(_) => self.report.collisions.ball_ball += 1,
+                HitPartner::Wall(_) => self.report.collisions.ball_wall += 1,
+            }
+            if self.hits.len() >= HITS_KEPT {
+                self.report.hits_dropped += 1;
+                continue;
+            }
+            let at = &cluster.landed[contact.a];
+            let point = at.center + contact.line * self.balls[at.ball].body.radius;
+            self.hits.push(Hit { time, ball: pair.ball, partner: pair.partner, point, impulse: *impulse });
+        }
+    }
+
+    /// Relaunches the two of the first contact and whoever else was moved, holds those whose slow hits pile up, and
+    /// looks ahead for all of them.
+    fn relaunch_moved(&mut self, cluster: &mut Cluster, time: Time, slow: bool) {
+        let hit = cluster.contacts[0];
+        cluster.found.clear();
+        for (place, member) in cluster.members.iter().enumerate() {
+            let first = place == hit.a || Some(place) == hit.b;
+            if !first && member.velocity == cluster.before[place] {
+                continue;
+            }
+            let Landed { ball, mut state, .. } = cluster.landed[place];
+            cluster.found.push(ball);
+            if self.arcs[ball].path == Path::Held && member.inverse_mass == 0.0 {
+                continue;
+            }
+            state[2..5].copy_from_slice(member.velocity.as_slice());
+            if first && slow && self.count_rest_hit(ball, time) {
+                self.hold(ball, time, &state);
+            } else {
+                self.relaunch(ball, time, &state, None);
+            }
+        }
+        for ball in cluster.found.drain(..) {
+            self.predict(ball);
+        }
+    }
+
+    /// Counts a slow hit; true once the ball has had too many in this quantum.
+    fn count_rest_hit(&mut self, ball: usize, time: Time) -> bool {
+        let b = &mut self.balls[ball];
+        if b.rest_quantum != time.quantum() {
+            b.rest_quantum = time.quantum();
+            b.rest_hits = 0;
+        }
+        b.rest_hits += 1;
+        b.rest_hits > REST_HITS_MAX
+    }
+
+    /// Lets a ball stand until the quantum ends. Its kinetic energy is lost; nothing is gained, nothing overlaps.
+    fn hold(&mut self, ball: usize, time: Time, state: &State) {
+        let arc = &mut self.arcs[ball];
+        self.report.negative_reaction += arc.negative_reaction(time.since(arc.start));
+        self.report.fallbacks += 1;
+        let length = Time::of_quantum(time.quantum()).after(QUANTUM).since(time);
+        let b = &mut self.balls[ball];
+        b.body.hold(&self.surface, (time, state), length, arc);
+        b.stamp = b.stamp.wrapping_add(1);
+    }
+}

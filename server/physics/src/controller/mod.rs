@@ -1,0 +1,157 @@
+//! The controller: owns the balls and advances them from tick to tick.
+//!
+//! | stage | file |
+//! |---|---|
+//! | a scene is checked and its balls are set down | `load` |
+//! | an advance: the first event of all, again and again | `advance` |
+//! | what a ball will meet within its window | `predict` |
+//! | a hit | `collide` |
+//! | a push, a held force | `steer` |
+//! | what a tick shows: states, energy, hash | `observe` |
+
+mod advance;
+mod collide;
+mod load;
+mod observe;
+mod predict;
+mod steer;
+
+use crate::detect::ball_wall::Plane;
+use crate::detect::broad_phase::BroadPhase;
+use crate::diagnostics::{Hit, Report};
+use crate::motion::arc::Arc;
+use crate::motion::body::{Body, Stepping};
+use crate::resolve::impact::Scratch;
+use crate::scene::Accuracy;
+use crate::schedule::queue::Queue;
+use crate::schedule::time::Time;
+use crate::surface::bezier::BezierPatch;
+use crate::surface::certify::Certificate;
+use crate::surface::chart::Surface;
+use nalgebra::{Vector2, Vector3};
+
+/// A ball at the controller's time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BallState {
+    /// Parameters of the contact point.
+    pub uv: Vector2<f64>,
+    /// Centre, m.
+    pub center: Vector3<f64>,
+    /// Unit normal of the floor at the contact point.
+    pub normal: Vector3<f64>,
+    /// Velocity of the centre, m/s.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity, rad/s.
+    pub omega: Vector3<f64>,
+    /// Orientation, ball to world: x, y, z, w.
+    pub orientation: [f64; 4],
+}
+
+/// A player's held force on a ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Horizontal direction, length at most 1.
+    pub direction: Vector2<f64>,
+    /// Acceleration at length 1, m/s^2.
+    pub acceleration: f64,
+    /// The drive never raises the speed above this, m/s.
+    pub speed_limit: f64,
+}
+
+/// What a ball is, does and is about to do, beside its arc and its next event.
+#[derive(Clone, Copy, Debug)]
+struct Ball {
+    body: Body,
+    /// Mass, kg.
+    mass: f64,
+    /// 1/((1+k) m).
+    inverse_mass: f64,
+    stepping: Stepping,
+    /// End of the span over which the ball's future has been searched.
+    window_end: Time,
+    /// Changes whenever the arc does; predictions that carry an older one are void.
+    stamp: u32,
+    drive: Option<Drive>,
+    /// Slow hits in quantum `rest_quantum`.
+    rest_hits: u32,
+    rest_quantum: i64,
+    /// Angular velocity of a sliding ball, rad/s: constant.
+    free_omega: Vector3<f64>,
+}
+
+/// The engine: one scene being run. Balls are numbered by the rank of their names in byte order.
+#[derive(Clone, Debug)]
+pub struct Controller {
+    surface: Surface,
+    patch: BezierPatch,
+    certificate: Certificate,
+    walls: Vec<Plane>,
+    gravity: Vector3<f64>,
+    restitution: f64,
+    accuracy: Accuracy,
+    balls: Vec<Ball>,
+    arcs: Vec<Arc>,
+    broad_phase: BroadPhase,
+    queue: Queue,
+    scene_index: Vec<usize>,
+    /// Time of the caller's last advance.
+    time: Time,
+    /// Time of the last event; never ahead of `time` but for the polish of a hit.
+    now: Time,
+    states: Vec<BallState>,
+    hits: Vec<Hit>,
+    report: Report,
+    work: Work,
+}
+
+/// Working memory and counters of one advance.
+#[derive(Clone, Debug, Default)]
+struct Work {
+    scratch: Scratch,
+    cluster: collide::Cluster,
+    /// Hits in quantum `quantum`.
+    hits: u64,
+    quantum: i64,
+}
+
+impl Controller {
+    /// The controller's time.
+    pub const fn time(&self) -> Time {
+        self.time
+    }
+
+    /// Hits of the last advance in order of time, at most [`crate::tolerance::HITS_KEPT`].
+    pub fn hits(&self) -> &[Hit] {
+        &self.hits
+    }
+
+    /// The balls at the controller's time, by id.
+    pub fn balls(&self) -> &[BallState] {
+        &self.states
+    }
+
+    /// For each id, the ball's place in the scene's list.
+    pub fn scene_index(&self) -> &[usize] {
+        &self.scene_index
+    }
+
+    /// Sums since the start.
+    pub const fn report(&self) -> Report {
+        self.report
+    }
+
+    /// The floor as its exact net.
+    pub const fn patch(&self) -> &BezierPatch {
+        &self.patch
+    }
+
+    /// What is proved about the floor.
+    pub const fn certificate(&self) -> &Certificate {
+        &self.certificate
+    }
+
+    /// Certified bracket of the floor's largest principal curvature towards the balls, 1/m.
+    pub const fn curvature_bracket(&self) -> [f64; 2] {
+        self.certificate.curvature
+    }
+}

@@ -1,0 +1,102 @@
+//! What a ball will meet within its window: walls, other balls, or only the window's end.
+
+use super::{Ball, Controller};
+use crate::detect::ball_ball::{self, Standing, surely_apart};
+use crate::detect::ball_wall;
+use crate::detect::broad_phase::swept_bounds;
+use crate::motion::arc::Arc;
+use crate::schedule::event::{Next, What};
+use crate::schedule::time::{QUANTUM, Time};
+use crate::tolerance::{WINDOW_MAX, WINDOW_MIN, WINDOW_TRAVEL};
+
+impl Controller {
+    /// Opens a window for `ball` from now on and finds what comes first in it.
+    pub(super) fn predict(&mut self, ball: usize) {
+        let from = self.now.max(self.arcs[ball].start);
+        self.open_window(ball, from);
+        let arc = &self.arcs[ball];
+        let b = &self.balls[ball];
+        let id = ball as u32;
+        let mut best = Next { time: b.window_end, what: What::Renew };
+        let duration = b.window_end.since(from);
+        for (wall, plane) in self.walls.iter().enumerate() {
+            if let Some(t) = ball_wall::time_of_impact(arc, plane, from, duration, b.body.radius) {
+                let next = Next { time: from.after(t), what: What::Wall { wall: wall as u32 } };
+                if next.key(id) < best.key(id) {
+                    best = next;
+                }
+            }
+        }
+        let standing = Standing::of(arc, from);
+        let bounds = swept_bounds(
+            &standing.center,
+            &standing.velocity,
+            arc.acceleration_bound,
+            b.body.radius,
+            duration,
+        );
+        self.broad_phase.file(ball, bounds);
+        let Self { broad_phase, balls, arcs, queue, report, .. } = self;
+        broad_phase.neighbours(ball, |other| {
+            report.pairs[0] += 1;
+            let Some(time) =
+                meeting((&balls[ball], &arcs[ball]), (&balls[other], &arcs[other]), from, &standing)
+            else {
+                return;
+            };
+            report.pairs[1] += 1;
+            let Some(time) = time else { return };
+            let mine = Next { time, what: What::Ball { other: other as u32, stamp: balls[other].stamp } };
+            if mine.key(id) < best.key(id) {
+                best = mine;
+            }
+            let theirs = Next { time, what: What::Ball { other: id, stamp: balls[ball].stamp } };
+            if theirs.key(other as u32) < queue.of(other).key(other as u32) {
+                queue.set(other, theirs);
+            }
+        });
+        self.queue.set(ball, best);
+    }
+
+    /// A window ends with the arc, before the ball has travelled far, and for a driven ball with the quantum.
+    /// Its length is a power of two of seconds and depends on the ball alone: a ball that nobody meets cannot
+    /// change another's.
+    fn open_window(&mut self, ball: usize, from: Time) {
+        let arc = &self.arcs[ball];
+        let b = &mut self.balls[ball];
+        let speed = arc.velocity_at(from.since(arc.start)).norm();
+        let travel = WINDOW_TRAVEL * b.body.radius;
+        let mut length = WINDOW_MAX;
+        while length > WINDOW_MIN && length * (speed + 0.5 * arc.acceleration_bound * length) > travel {
+            length *= 0.5;
+        }
+        b.window_end = from.after(length).min(arc.finish());
+        if b.drive.is_some() {
+            let quantum = Time::of_quantum(from.after(0.0).quantum()).after(QUANTUM);
+            b.window_end = b.window_end.min(quantum);
+        }
+    }
+}
+
+/// When two balls meet within both their windows; the outer None means that they surely do not, by a bound.
+#[inline]
+fn meeting(
+    (b, arc): (&Ball, &Arc),
+    (other, their_arc): (&Ball, &Arc),
+    from: Time,
+    standing: &Standing,
+) -> Option<Option<Time>> {
+    let begin = from.max(their_arc.start);
+    let duration = b.window_end.min(other.window_end).since(begin);
+    if duration <= 0.0 {
+        return None;
+    }
+    let reach = b.body.radius + other.body.radius;
+    let here = if begin == from { *standing } else { Standing::of(arc, begin) };
+    let acceleration = arc.acceleration_bound + their_arc.acceleration_bound;
+    if surely_apart(&here, &Standing::of(their_arc, begin), acceleration, reach, duration) {
+        return None;
+    }
+    let t = ball_ball::time_of_impact(arc, their_arc, begin, duration, reach);
+    Some(t.map(|t| begin.after(t)))
+}

@@ -1,0 +1,200 @@
+//! Time of impact of two balls on their arcs.
+
+use super::root::{divide_by_x, first_descent, refine};
+use crate::motion::arc::{Arc, Path};
+use crate::motion::step::TERMS;
+use crate::schedule::time::Time;
+use nalgebra::Vector3;
+
+type V3 = Vector3<f64>;
+
+/// Coefficients of the squared distance: degree 14.
+const SQUARED: usize = 2 * TERMS - 1;
+
+/// Binomials of degree 7.
+const C7: [f64; TERMS] = [1.0, 7.0, 21.0, 35.0, 35.0, 21.0, 7.0, 1.0];
+/// Binomials of degree 14.
+const C14: [f64; SQUARED] =
+    [1.0, 14.0, 91.0, 364.0, 1001.0, 2002.0, 3003.0, 3432.0, 3003.0, 2002.0, 1001.0, 364.0, 91.0, 14.0, 1.0];
+
+/// Where two arcs stand at the start of a search.
+#[derive(Clone, Copy, Debug)]
+pub struct Standing {
+    /// Centre, m.
+    pub center: V3,
+    /// Velocity, m/s.
+    pub velocity: V3,
+}
+
+impl Standing {
+    /// Of `arc` at `time`.
+    #[inline]
+    pub fn of(arc: &Arc, time: Time) -> Self {
+        let dt = time.since(arc.start);
+        Self { center: arc.center_at(dt), velocity: arc.velocity_at(dt) }
+    }
+}
+
+/// Whether the balls surely stay apart for `duration`: straight lines from `a` and `b`, widened by what
+/// acceleration can add.
+#[inline]
+pub fn surely_apart(a: &Standing, b: &Standing, acceleration: f64, reach: f64, duration: f64) -> bool {
+    let p = b.center - a.center;
+    let v = b.velocity - a.velocity;
+    let closing = -p.dot(&v);
+    let speed = v.norm_squared();
+    let t = if closing <= 0.0 || speed == 0.0 { 0.0 } else { (closing / speed).min(duration) };
+    let wide = reach + 0.5 * acceleration * duration * duration;
+    (p + v * t).norm_squared() > wide * wide
+}
+
+/// Seconds after `from` until the distance of the centres falls to `reach`, within `duration`. Balls that
+/// overlap or touch count only if they approach; balls that part count only once they return.
+pub fn time_of_impact(a: &Arc, b: &Arc, from: Time, duration: f64, reach: f64) -> Option<f64> {
+    let both_parabolas = a.path != Path::Curved && b.path != Path::Curved;
+    if both_parabolas && a.center[2] / (a.scale * a.scale) == b.center[2] / (b.scale * b.scale) {
+        let (a, b) = (Standing::of(a, from), Standing::of(b, from));
+        return straight(b.center - a.center, b.velocity - a.velocity, reach).filter(|t| *t <= duration);
+    }
+    let (pa, pb) = (window_polynomial(a, from, duration), window_polynomial(b, from, duration));
+    let d: [V3; TERMS] = std::array::from_fn(|k| pb[k] - pa[k]);
+    let mut f = squared_distance(&d);
+    f[0] = d[0].norm_squared() - reach * reach;
+    for x in &mut f[1..] {
+        *x -= reach * reach;
+    }
+    let evaluate = |x: f64| {
+        let (mut p, mut v) = (d[TERMS - 1], V3::zeros());
+        for c in d[..TERMS - 1].iter().rev() {
+            v = v * x + p;
+            p = p * x + c;
+        }
+        (p.norm_squared() - reach * reach, 2.0 * p.dot(&v))
+    };
+    let bracket = if f[0] > 0.0 {
+        first_descent(&f)?
+    } else if d[0].dot(&d[1]) < 0.0 {
+        return Some(0.0);
+    } else {
+        // In contact and parting: the contact itself is a root to be divided out.
+        f[0] = 0.0;
+        let mut rest = divide_by_x(&f);
+        rest[0] = rest[0].max(0.0);
+        first_descent(&rest)?
+    };
+    Some(refine(bracket, evaluate) * duration)
+}
+
+/// Two balls in straight relative motion: the smaller root of |p + v t| = reach in its stable form.
+fn straight(p: V3, v: V3, reach: f64) -> Option<f64> {
+    let closing = -p.dot(&v);
+    if closing <= 0.0 {
+        return None;
+    }
+    let c = p.norm_squared() - reach * reach;
+    if c <= 0.0 {
+        return Some(0.0);
+    }
+    // closing^2 - v^2 c, without its cancellation in a grazing hit: reach^2 v^2 - |p x v|^2.
+    let discriminant = reach * reach * v.norm_squared() - p.cross(&v).norm_squared();
+    (discriminant > 0.0).then(|| c / (closing + discriminant.sqrt()))
+}
+
+/// The centre over `from .. from + duration` in powers of x in [0, 1].
+pub fn window_polynomial(arc: &Arc, from: Time, duration: f64) -> [V3; TERMS] {
+    let mut c = arc.center;
+    let theta = from.since(arc.start) / arc.scale;
+    let top = if arc.path == Path::Curved { TERMS - 1 } else { 2 };
+    if theta != 0.0 {
+        // Taylor shift by repeated synthetic division.
+        for k in 0..top {
+            for i in (k..top).rev() {
+                let higher = c[i + 1];
+                c[i] += higher * theta;
+            }
+        }
+    }
+    let ratio = duration / arc.scale;
+    let mut power = 1.0;
+    for x in c.iter_mut().take(top + 1).skip(1) {
+        power *= ratio;
+        *x *= power;
+    }
+    c
+}
+
+/// Bernstein coefficients of degree 14 of |d(x)|^2.
+fn squared_distance(d: &[V3; TERMS]) -> [f64; SQUARED] {
+    let scaled = scaled_bernstein(d);
+    let mut out = [0.0; SQUARED];
+    for i in 0..TERMS {
+        out[2 * i] += scaled[i].norm_squared();
+        for j in i + 1..TERMS {
+            out[i + j] += 2.0 * scaled[i].dot(&scaled[j]);
+        }
+    }
+    for (x, c) in out.iter_mut().zip(&C14) {
+        *x /= c;
+    }
+    out
+}
+
+/// Bernstein coefficients of degree 7 times their binomials: sums with binomials C(7 - k, i - k).
+fn scaled_bernstein(d: &[V3; TERMS]) -> [V3; TERMS] {
+    // Coefficient i is the sum over k <= i of C(7,i) C(i,k)/C(7,k) d_k = C(7-k, i-k) d_k.
+    let mut out = [V3::zeros(); TERMS];
+    for (k, c) in d.iter().enumerate() {
+        let mut binomial = 1.0;
+        for (step, o) in out[k..].iter_mut().enumerate() {
+            *o += c * binomial;
+            let left = TERMS - 1 - k;
+            if step < left {
+                binomial = binomial * (left - step) as f64 / (step + 1) as f64;
+            }
+        }
+    }
+    out
+}
+
+/// Bernstein coefficients of degree 7 of a scalar polynomial in powers of x.
+pub fn bernstein(a: &[f64; TERMS]) -> [f64; TERMS] {
+    let vectors: [V3; TERMS] = std::array::from_fn(|k| V3::new(a[k], 0.0, 0.0));
+    let scaled = scaled_bernstein(&vectors);
+    std::array::from_fn(|i| scaled[i].x / C7[i])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_squared_distance_is_that_of_the_polynomial() {
+        let d: [V3; TERMS] = std::array::from_fn(|k| {
+            let k = k as f64;
+            V3::new(1.0 - 0.3 * k, 0.2 * k * k - 0.5, 0.1 - 0.05 * k)
+        });
+        let b = squared_distance(&d);
+        for step in 0..=10 {
+            let x = f64::from(step) / 10.0;
+            let point = d.iter().rev().fold(V3::zeros(), |sum, c| sum * x + c);
+            let value: f64 = b
+                .iter()
+                .enumerate()
+                .map(|(i, c)| c * C14[i] * x.powi(i as i32) * (1.0 - x).powi(14 - i as i32))
+                .sum();
+            assert!((value - point.norm_squared()).abs() < 1e-12 * (1.0 + value.abs()));
+        }
+    }
+
+    #[test]
+    fn a_grazing_pass_is_told_from_a_miss_to_the_last_bits() {
+        let reach = 0.2;
+        for exponent in [3, 6, 9, 12, 14, 15] {
+            let epsilon = 10.0_f64.powi(-exponent);
+            for (offset, hits) in [(reach * (1.0 - epsilon), true), (reach * (1.0 + epsilon), false)] {
+                let found = straight(V3::new(-1.0, offset, 0.0), V3::new(1.0, 0.0, 0.0), reach);
+                assert_eq!(found.is_some(), hits, "offset {offset:e}");
+            }
+        }
+    }
+}

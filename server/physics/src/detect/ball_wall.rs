@@ -1,0 +1,102 @@
+//! Time of impact of a ball and a vertical wall.
+
+use super::ball_ball::{Standing, bernstein, window_polynomial};
+use super::root::{divide_by_x, first_descent, refine};
+use crate::motion::arc::{Arc, Path};
+use crate::motion::step::TERMS;
+use crate::schedule::time::Time;
+use nalgebra::Vector3;
+
+type V3 = Vector3<f64>;
+
+/// A wall as the engine uses it: q.x = offset, q pointing into the room.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane {
+    /// Unit inward normal; its z is 0.
+    pub normal: V3,
+    /// A point of the wall; kept as a point so that a wall far from the origin loses nothing.
+    pub point: V3,
+}
+
+impl Plane {
+    /// Distance of `center` from the wall, m.
+    #[inline]
+    pub fn distance(&self, center: &V3) -> f64 {
+        (center - self.point).dot(&self.normal)
+    }
+}
+
+/// Seconds after `from` until the centre is `radius` from the wall, within `duration`; the same rules for
+/// balls already in contact as for two balls.
+pub fn time_of_impact(arc: &Arc, plane: &Plane, from: Time, duration: f64, radius: f64) -> Option<f64> {
+    let now = Standing::of(arc, from);
+    let gap = plane.distance(&now.center) - radius;
+    let speed = now.velocity.dot(&plane.normal);
+    if arc.path != Path::Curved {
+        let acceleration = 2.0 * arc.center[2].dot(&plane.normal) / (arc.scale * arc.scale);
+        return parabola(gap, speed, acceleration).filter(|t| *t <= duration);
+    }
+    if gap + speed.min(0.0) * duration - 0.5 * arc.acceleration_bound * duration * duration > 0.0 {
+        return None;
+    }
+    let c = window_polynomial(arc, from, duration);
+    let mut a: [f64; TERMS] = std::array::from_fn(|k| c[k].dot(&plane.normal));
+    a[0] = gap;
+    let evaluate = |x: f64| {
+        let (mut p, mut v) = (a[TERMS - 1], 0.0);
+        for k in a[..TERMS - 1].iter().rev() {
+            v = v * x + p;
+            p = p * x + k;
+        }
+        (p, v)
+    };
+    let bracket = if gap > 0.0 {
+        first_descent(&bernstein(&a))?
+    } else if a[1] < 0.0 {
+        return Some(0.0);
+    } else {
+        let mut rest = a;
+        rest[0] = 0.0;
+        let mut rest = divide_by_x(&bernstein(&rest));
+        rest[0] = rest[0].max(0.0);
+        first_descent(&rest)?
+    };
+    Some(refine(bracket, evaluate) * duration)
+}
+
+/// First time gap + speed t + acceleration t^2/2 falls to zero from above, in its stable forms.
+fn parabola(gap: f64, speed: f64, acceleration: f64) -> Option<f64> {
+    if gap <= 0.0 {
+        if speed < 0.0 {
+            return Some(0.0);
+        }
+        return (acceleration < 0.0).then(|| -2.0 * speed / acceleration);
+    }
+    if acceleration == 0.0 {
+        return (speed < 0.0).then(|| gap / -speed);
+    }
+    let discriminant = speed * speed - 2.0 * acceleration * gap;
+    if discriminant < 0.0 {
+        return None;
+    }
+    let root = discriminant.sqrt();
+    if speed < 0.0 {
+        return Some(2.0 * gap / (root - speed));
+    }
+    (acceleration < 0.0).then(|| (speed + root) / -acceleration)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_parabola_meets_the_wall_when_it_should() {
+        assert_eq!(parabola(1.0, -2.0, 0.0), Some(0.5));
+        assert_eq!(parabola(1.0, 2.0, 0.0), None);
+        assert_eq!(parabola(0.0, 1.0, -2.0), Some(1.0));
+        assert_eq!(parabola(0.0, -1.0, 5.0), Some(0.0));
+        assert_eq!(parabola(2.0, 0.0, -1.0), Some(2.0));
+        assert_eq!(parabola(1.0, -1.0, 1.0), None);
+    }
+}

@@ -1,0 +1,225 @@
+//! An arc: a ball's path from one cut to the next, as polynomials that walls, pairs, ticks and pictures read.
+//!
+//! On a plane the arc is the exact parabola and does not end by itself; elsewhere it is one integration step.
+//! Ticks do not cut arcs: only hits, pushes and changes of force do.
+
+use super::body::Body;
+use super::law::{ROLLING, SLIDING, State, velocity};
+use super::rotation;
+use super::step::{REACTION_AT, Step, TERMS};
+use crate::scene::Accuracy;
+use crate::schedule::time::Time;
+use crate::surface::chart::{Chart, Frame, Surface, with_chart};
+use crate::tolerance;
+use nalgebra::Vector3;
+
+type V3 = Vector3<f64>;
+
+/// What kind of path an arc is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// One integration step on a curved floor.
+    Curved,
+    /// The exact parabola on a plane.
+    Parabola,
+    /// Standing still until the quantum ends, because hits piled up.
+    Held,
+}
+
+/// A ball's path from `start` for `length` seconds.
+#[derive(Clone, Copy, Debug)]
+pub struct Arc {
+    /// When it begins.
+    pub start: Time,
+    /// How long it is valid, s; infinite for a parabola.
+    pub length: f64,
+    /// Seconds per unit of theta.
+    pub scale: f64,
+    /// What kind.
+    pub path: Path,
+    /// State at the start.
+    pub state: State,
+    /// Slope at the start (curved arcs only).
+    pub slope: State,
+    /// Centre in powers of theta.
+    pub center: [V3; TERMS],
+    /// State in powers of theta (curved arcs only).
+    pub dense: [State; TERMS],
+    /// State and slope at the end (curved arcs only).
+    pub end: [State; 2],
+    /// Floor reaction per mass at [`REACTION_AT`] (curved arcs only), m/s^2.
+    pub reaction: [f64; 3],
+    /// Bound of the centre's acceleration, m/s^2.
+    pub acceleration_bound: f64,
+}
+
+impl Arc {
+    /// An arc that holds nothing yet.
+    pub const fn empty() -> Self {
+        Self {
+            start: Time::ZERO,
+            length: 0.0,
+            scale: 1.0,
+            path: Path::Held,
+            state: [0.0; ROLLING],
+            slope: [0.0; ROLLING],
+            center: [V3::new(0.0, 0.0, 0.0); TERMS],
+            dense: [[0.0; ROLLING]; TERMS],
+            end: [[0.0; ROLLING]; 2],
+            reaction: [0.0; 3],
+            acceleration_bound: 0.0,
+        }
+    }
+
+    /// When it ends.
+    pub fn finish(&self) -> Time {
+        self.start.after(self.length)
+    }
+
+    /// Centre `dt` seconds after the start, m.
+    #[inline]
+    pub fn center_at(&self, dt: f64) -> V3 {
+        let theta = dt / self.scale;
+        if self.path != Path::Curved {
+            return self.center[0] + (self.center[1] + self.center[2] * theta) * theta;
+        }
+        let mut sum = self.center[TERMS - 1];
+        for c in self.center[..TERMS - 1].iter().rev() {
+            sum = sum * theta + c;
+        }
+        sum
+    }
+
+    /// Velocity of the centre `dt` seconds after the start, the derivative of [`Self::center_at`], m/s.
+    #[inline]
+    pub fn velocity_at(&self, dt: f64) -> V3 {
+        let theta = dt / self.scale;
+        if self.path != Path::Curved {
+            return (self.center[1] + self.center[2] * (2.0 * theta)) / self.scale;
+        }
+        let mut sum = self.center[TERMS - 1] * (TERMS - 1) as f64;
+        for (k, c) in self.center.iter().enumerate().take(TERMS - 1).skip(1).rev() {
+            sum = sum * theta + c * k as f64;
+        }
+        sum / self.scale
+    }
+
+    /// The whole state `dt` seconds after the start, read from the arc: to look at, not to go on from.
+    pub fn sample(&self, body: &Body, surface: &Surface, dt: f64) -> State {
+        if self.path != Path::Curved {
+            return self.follow(body, surface, dt);
+        }
+        let theta = dt / self.scale;
+        let mut out = self.dense[TERMS - 1];
+        for row in self.dense[..TERMS - 1].iter().rev() {
+            for (o, c) in out.iter_mut().zip(row) {
+                *o = *o * theta + c;
+            }
+        }
+        body.settle(surface, &mut out);
+        out
+    }
+
+    /// State `dt` seconds after the start and its slope, integrated afresh: what a hit is resolved on.
+    pub fn land(&self, body: &Body, surface: &Surface, accuracy: Accuracy, dt: f64) -> (State, State) {
+        match self.path {
+            Path::Curved if dt <= 0.0 => (self.state, self.slope),
+            Path::Curved => body.land(surface, accuracy, &self.state, &self.slope, dt),
+            Path::Parabola => {
+                let state = self.follow(body, surface, dt);
+                (state, body.slope(surface, &state))
+            }
+            Path::Held => (self.state, [0.0; ROLLING]),
+        }
+    }
+
+    /// Exact state on a parabola, or of a held ball.
+    fn follow(&self, body: &Body, surface: &Surface, dt: f64) -> State {
+        let mut out = self.state;
+        if self.path == Path::Held {
+            return out;
+        }
+        let theta = dt / self.scale;
+        let moved = (self.center[1] + self.center[2] * theta) * theta;
+        out[0] += moved.x;
+        out[1] += moved.y;
+        let w = velocity(&self.state) + self.center[2] * (2.0 * theta / self.scale);
+        out[2..5].copy_from_slice(w.as_slice());
+        if body.rolls {
+            self.turn(body, surface, dt, &mut out);
+        }
+        out
+    }
+
+    /// Orientation of a ball rolling on a plane: exact while the angular velocity keeps its direction, else by
+    /// Magnus steps of order 4 no longer than [`tolerance::TURN_STEP`].
+    fn turn(&self, body: &Body, surface: &Surface, dt: f64, out: &mut State) {
+        let n = with_chart!(&surface.kernel, chart => chart.frame([self.state[0], self.state[1]]).normal());
+        let rate = 1.0 / body.radius;
+        let w0 = velocity(&self.state);
+        let acceleration = self.center[2] * (2.0 / (self.scale * self.scale));
+        let omega = |t: f64| (n * self.state[5] + n.cross(&(w0 + acceleration * t))) * rate;
+        let growth = n.cross(&acceleration) * rate;
+        let mut q = [self.state[6], self.state[7], self.state[8], self.state[9]];
+        let pieces = if omega(0.0).cross(&growth).norm_squared() == 0.0 {
+            1
+        } else {
+            (dt.abs() / tolerance::TURN_STEP).ceil().clamp(1.0, tolerance::TURN_STEPS_MAX) as u32
+        };
+        let h = dt / f64::from(pieces);
+        for piece in 0..pieces {
+            let t = h * f64::from(piece);
+            // Magnus: the mean rate, and the commutator of a rate linear in time.
+            let angle = omega(t + 0.5 * h) * h + growth.cross(&omega(t)) * (h * h * h / 12.0);
+            q = rotation::compose(rotation::of_rotation_vector(angle), q);
+        }
+        out[6..].copy_from_slice(&rotation::unit(q));
+    }
+
+    /// Seconds of the first `dt` of a curved arc during which the floor would have had to pull: the reaction
+    /// is taken as the parabola through three exact values, at 64 midpoints; it is a warning, not a result.
+    pub fn negative_reaction(&self, dt: f64) -> f64 {
+        if self.path != Path::Curved || self.reaction.iter().all(|n| *n >= 0.0) {
+            return 0.0;
+        }
+        let [a, b, c] = self.reaction;
+        let m = REACTION_AT[1];
+        let second = ((c - a) - (b - a) / m) / (1.0 - m);
+        let first = (c - a) - second;
+        let at = |x: f64| a + (first + second * x) * x;
+        let end = (dt / self.scale).clamp(0.0, 1.0);
+        let cells = 64;
+        let below = (0..cells).filter(|i| at((f64::from(*i) + 0.5) / f64::from(cells) * end) < 0.0).count();
+        below as f64 / f64::from(cells) * end * self.scale
+    }
+
+    /// Takes over an integration step of `h` seconds.
+    pub(super) fn fill<const D: usize>(&mut self, h: f64, step: &Step<D>) {
+        self.path = Path::Curved;
+        self.length = h;
+        self.scale = h;
+        self.end = [widen(&step.end), widen(&step.slope_end)];
+        for (row, from) in self.dense.iter_mut().zip(&step.dense) {
+            *row = widen(from);
+        }
+        self.center = step.center;
+        self.reaction = step.reaction;
+        let bound: f64 =
+            step.center.iter().enumerate().skip(2).map(|(k, c)| (k * (k - 1)) as f64 * c.norm()).sum();
+        self.acceleration_bound = bound / (h * h);
+    }
+}
+
+/// The leading numbers of a state.
+pub(super) fn narrow<const D: usize>(state: &State) -> [f64; D] {
+    std::array::from_fn(|i| state[i])
+}
+
+/// The numbers of a short state as a whole one; a sliding ball's orientation is kept elsewhere.
+pub(super) fn widen<const D: usize>(y: &[f64; D]) -> State {
+    let mut out = [0.0; ROLLING];
+    out[..D].copy_from_slice(y);
+    out
+}
+
+const _: () = assert!(SLIDING < ROLLING);

@@ -1,0 +1,227 @@
+//! A body: what moves a ball and does not change along an arc, and how it is launched, held and landed.
+
+use super::arc::{Arc, Path, narrow, widen};
+use super::dop853;
+use super::law::{Law, ROLLING, SLIDING, State, velocity};
+use super::low_order;
+use super::rotation;
+use super::step::{Step, TERMS};
+use crate::scene::{Accuracy, Scheme};
+use crate::schedule::time::Time;
+use crate::surface::chart::{Chart, Frame, Surface, with_chart};
+use crate::tolerance;
+use nalgebra::Vector3;
+
+type V3 = Vector3<f64>;
+
+/// What moves a ball and does not change along an arc.
+#[derive(Clone, Copy, Debug)]
+pub struct Body {
+    /// Radius, m.
+    pub radius: f64,
+    /// Inertia factor k; 0 when sliding.
+    pub inertia_factor: f64,
+    /// Whether the ball rolls.
+    pub rolls: bool,
+    /// Applied acceleration: gravity and the player's, m/s^2.
+    pub applied: V3,
+}
+
+/// Length of step wanted next, and steps spent.
+#[derive(Clone, Copy, Debug)]
+pub struct Stepping {
+    /// Step to try, s: a power of two, or the scene's fixed step.
+    pub try_s: f64,
+    /// Steps computed, kept or not.
+    pub steps: u64,
+}
+
+impl Body {
+    fn law<'a, C: Chart>(&self, chart: &'a C) -> Law<'a, C> {
+        Law { chart, radius: self.radius, inertia_factor: self.inertia_factor, applied: self.applied }
+    }
+
+    /// Centre and normal at a state.
+    pub fn seat(&self, surface: &Surface, state: &State) -> (V3, V3) {
+        with_chart!(&surface.kernel, chart => {
+            let frame = chart.frame([state[0], state[1]]);
+            let n = frame.normal();
+            (frame.point() + n * self.radius, n)
+        })
+    }
+
+    /// Time derivative of a state.
+    pub fn slope(&self, surface: &Surface, state: &State) -> State {
+        with_chart!(&surface.kernel, chart => {
+            let law = self.law(chart);
+            if self.rolls { law.slope(state).0 } else { widen(&law.slope(&narrow::<SLIDING>(state)).0) }
+        })
+    }
+
+    /// Takes from a state what interpolation put off the tangent plane and the unit sphere.
+    pub fn settle(&self, surface: &Surface, state: &mut State) {
+        let (_, n) = self.seat(surface, state);
+        let w = velocity(state);
+        let w = w - n * w.dot(&n);
+        state[2..5].copy_from_slice(w.as_slice());
+        if self.rolls {
+            unit_orientation(state);
+        }
+    }
+
+    /// State and slope `dt` seconds after `state` on a curved floor.
+    pub(super) fn land(
+        &self,
+        surface: &Surface,
+        accuracy: Accuracy,
+        state: &State,
+        slope: &State,
+        dt: f64,
+    ) -> (State, State) {
+        with_chart!(&surface.kernel, chart => {
+            let law = self.law(chart);
+            if self.rolls {
+                let (mut y, s) = land_by::<ROLLING, _>(&law, accuracy, state, slope, dt);
+                unit_orientation(&mut y);
+                (y, s)
+            } else {
+                let (y, s) = land_by::<SLIDING, _>(&law, accuracy, &narrow(state), &narrow(slope), dt);
+                (widen(&y), widen(&s))
+            }
+        })
+    }
+
+    /// The arc from `state` at `start`. A `slope` known to be exact saves an evaluation.
+    pub fn launch(
+        &self,
+        surface: &Surface,
+        accuracy: Accuracy,
+        (start, state, slope): (Time, &State, Option<&State>),
+        stepping: &mut Stepping,
+        arc: &mut Arc,
+    ) {
+        arc.start = start;
+        arc.state = *state;
+        if surface.is_flat() {
+            self.launch_parabola(surface, arc);
+            return;
+        }
+        arc.slope = slope.copied().unwrap_or_else(|| self.slope(surface, state));
+        with_chart!(&surface.kernel, chart => {
+            let law = self.law(chart);
+            if self.rolls {
+                let (h, step) = step_by::<ROLLING, _>(&law, accuracy, &arc.state, &arc.slope, stepping);
+                arc.fill(h, &step);
+                unit_orientation(&mut arc.end[0]);
+            } else {
+                let (y, s) = (narrow(&arc.state), narrow(&arc.slope));
+                let (h, step) = step_by::<SLIDING, _>(&law, accuracy, &y, &s, stepping);
+                arc.fill(h, &step);
+            }
+        });
+    }
+
+    fn launch_parabola(&self, surface: &Surface, arc: &mut Arc) {
+        let (center, n) = self.seat(surface, &arc.state);
+        let acceleration = (self.applied - n * self.applied.dot(&n)) * (1.0 / (1.0 + self.inertia_factor));
+        arc.path = Path::Parabola;
+        arc.length = f64::INFINITY;
+        arc.scale = 1.0;
+        arc.center = [V3::zeros(); TERMS];
+        arc.center[0] = center;
+        arc.center[1] = velocity(&arc.state);
+        arc.center[2] = acceleration * 0.5;
+        arc.acceleration_bound = acceleration.norm();
+        arc.reaction = [0.0; 3];
+        // A rolling ball under force turns by quadrature; keep the quadrature short.
+        if self.rolls && arc.acceleration_bound > 0.0 {
+            arc.length = tolerance::TURN_STEP * tolerance::TURN_STEPS_MAX;
+        }
+    }
+
+    /// Stands still at `state` for `length` seconds.
+    pub fn hold(&self, surface: &Surface, (start, state): (Time, &State), length: f64, arc: &mut Arc) {
+        arc.start = start;
+        arc.length = length;
+        arc.scale = 1.0;
+        arc.path = Path::Held;
+        arc.state = *state;
+        arc.state[2..6].fill(0.0);
+        arc.center = [V3::zeros(); TERMS];
+        arc.center[0] = self.seat(surface, state).0;
+        arc.acceleration_bound = 0.0;
+    }
+}
+
+fn unit_orientation(state: &mut State) {
+    let q = rotation::unit([state[6], state[7], state[8], state[9]]);
+    state[6..].copy_from_slice(&q);
+}
+
+fn land_by<const D: usize, C: Chart>(
+    law: &Law<'_, C>,
+    accuracy: Accuracy,
+    y: &[f64; D],
+    slope: &[f64; D],
+    dt: f64,
+) -> ([f64; D], [f64; D]) {
+    let end = match accuracy {
+        Accuracy::Tolerance(_) | Accuracy::Fixed(Scheme::Dop853, _) => {
+            return dop853::land(law, y, slope, dt);
+        }
+        Accuracy::Fixed(Scheme::Rk4, _) => low_order::rk4_land(law, y, slope, dt),
+        Accuracy::Fixed(Scheme::Tsit5, _) => low_order::tsit5_land(law, y, slope, dt),
+    };
+    (end, law.slope(&end).0)
+}
+
+/// One accepted step and its length. The ladder of powers of two makes acceptance repeatable.
+fn step_by<const D: usize, C: Chart>(
+    law: &Law<'_, C>,
+    accuracy: Accuracy,
+    y: &[f64; D],
+    slope: &[f64; D],
+    stepping: &mut Stepping,
+) -> (f64, Step<D>) {
+    let tolerance = match accuracy {
+        Accuracy::Tolerance(tolerance) => tolerance,
+        Accuracy::Fixed(scheme, h) => {
+            stepping.steps += 1;
+            let step = match scheme {
+                Scheme::Rk4 => low_order::rk4_step(law, y, slope, h),
+                Scheme::Tsit5 => low_order::tsit5_step(law, y, slope, h),
+                Scheme::Dop853 => dop853::step(law, y, slope, h, f64::INFINITY).unwrap_or_else(not_finite),
+            };
+            return (h, step);
+        }
+    };
+    loop {
+        let h = stepping.try_s;
+        stepping.steps += 1;
+        let smallest = h <= tolerance::STEP_MIN;
+        let allowed = if smallest { f64::INFINITY } else { tolerance::allowed_error(tolerance, h) };
+        if let Some(step) = dop853::step(law, y, slope, h, allowed) {
+            let room = step.error * tolerance::GROWTH_OF_DOUBLING <= tolerance::allowed_error(tolerance, h);
+            if room && h < tolerance::STEP_MAX {
+                stepping.try_s = 2.0 * h;
+            }
+            return (h, step);
+        }
+        // Only numbers that are not finite are refused at the smallest step; the caller's gate names them.
+        if smallest {
+            return (h, not_finite());
+        }
+        stepping.try_s = 0.5 * h;
+    }
+}
+
+fn not_finite<const D: usize>() -> Step<D> {
+    Step {
+        end: [f64::NAN; D],
+        slope_end: [f64::NAN; D],
+        error: f64::NAN,
+        dense: [[f64::NAN; D]; TERMS],
+        center: [V3::repeat(f64::NAN); TERMS],
+        reaction: [f64::NAN; 3],
+    }
+}

@@ -1,0 +1,191 @@
+//! Dormand and Prince 8(5,3): one step of order 8 with a dense output of order 7.
+//!
+//! Twelve stages, of which the first is the previous step's last, one slope at the end and three more for the
+//! dense output. The centre's polynomial comes from the same formula, since the stages' velocities are the
+//! slopes of the centre; its ends are set to the exact centres.
+
+use super::dop853_tableau::{A, B, D as DENSE, E3, E5, STAGES, STAGES_DENSE};
+use super::law::{Law, velocity};
+use super::step::{Step, TERMS, combine};
+use crate::surface::chart::{Chart, Frame};
+use nalgebra::Vector3;
+
+type V3 = Vector3<f64>;
+
+/// The stages of one step: states are needed for their velocities only.
+struct Stages<const D: usize> {
+    slope: [[f64; D]; STAGES_DENSE],
+    velocity: [V3; STAGES_DENSE],
+}
+
+/// `stage!(s, law, y, h, i; j ...)`: stage i from the stages j with weights A[i][j].
+macro_rules! stage {
+    ($s:ident, $law:ident, $y:ident, $h:ident, $i:literal; $($j:literal)+) => {{
+        let at = combine($y, $h, [$((A[$i][$j], &$s.slope[$j])),+]);
+        let (slope, reaction) = $law.slope(&at);
+        $s.slope[$i] = slope;
+        $s.velocity[$i] = velocity(&at);
+        reaction
+    }};
+}
+
+/// Stages 1 to 11 after the first, and the state at the end.
+#[inline]
+fn advance<const D: usize, C: Chart>(
+    law: &Law<'_, C>,
+    y: &[f64; D],
+    slope: &[f64; D],
+    h: f64,
+) -> (Stages<D>, [f64; D]) {
+    let mut s = Stages { slope: [[0.0; D]; STAGES_DENSE], velocity: [V3::zeros(); STAGES_DENSE] };
+    s.slope[0] = *slope;
+    s.velocity[0] = velocity(y);
+    stage!(s, law, y, h, 1; 0);
+    stage!(s, law, y, h, 2; 0 1);
+    stage!(s, law, y, h, 3; 0 2);
+    stage!(s, law, y, h, 4; 0 2 3);
+    stage!(s, law, y, h, 5; 0 3 4);
+    stage!(s, law, y, h, 6; 0 3 4 5);
+    stage!(s, law, y, h, 7; 0 3 4 5 6);
+    stage!(s, law, y, h, 8; 0 3 4 5 6 7);
+    stage!(s, law, y, h, 9; 0 3 4 5 6 7 8);
+    stage!(s, law, y, h, 10; 0 3 4 5 6 7 8 9);
+    stage!(s, law, y, h, 11; 0 3 4 5 6 7 8 9 10);
+    let k = &s.slope;
+    let end = combine(
+        y,
+        h,
+        [
+            (B[0], &k[0]),
+            (B[5], &k[5]),
+            (B[6], &k[6]),
+            (B[7], &k[7]),
+            (B[8], &k[8]),
+            (B[9], &k[9]),
+            (B[10], &k[10]),
+            (B[11], &k[11]),
+        ],
+    );
+    (s, end)
+}
+
+/// The state after h, and the slope there to first order: enough to land on an event.
+#[inline]
+pub fn land<const D: usize, C: Chart>(
+    law: &Law<'_, C>,
+    y: &[f64; D],
+    slope: &[f64; D],
+    h: f64,
+) -> ([f64; D], [f64; D]) {
+    let (stages, end) = advance(law, y, slope, h);
+    (end, stages.slope[STAGES - 1])
+}
+
+/// A whole step with error estimate; None when the estimate exceeds `allowed` (the dense output is not computed).
+#[inline]
+pub fn step<const D: usize, C: Chart>(
+    law: &Law<'_, C>,
+    y: &[f64; D],
+    slope: &[f64; D],
+    h: f64,
+    allowed: f64,
+) -> Option<Step<D>> {
+    let (mut s, end) = advance(law, y, slope, h);
+    let error = error_estimate(law, y, h, &s.slope);
+    // Written so that a NaN is refused too.
+    if !(error <= allowed) {
+        return None;
+    }
+    let (slope_end, reaction_end) = law.slope(&end);
+    s.slope[12] = slope_end;
+    s.velocity[12] = velocity(&end);
+    stage!(s, law, y, h, 13; 0 6 7 8 9 10 11 12);
+    stage!(s, law, y, h, 14; 0 5 6 7 10 11 12 13);
+    let reaction_inside = stage!(s, law, y, h, 15; 0 5 6 7 8 12 13 14);
+    let (_, reaction_start) = law.slope(y);
+    let rise = std::array::from_fn(|i| end[i] - y[i]);
+    let dense = dense_output(h, y, &rise, &s.slope);
+    let (c0, c1) = (law.center(y), law.center(&end));
+    let slopes: [[f64; 3]; STAGES_DENSE] =
+        std::array::from_fn(|i| [s.velocity[i].x, s.velocity[i].y, s.velocity[i].z]);
+    let lift = c1 - c0;
+    let center = dense_output(h, &[c0.x, c0.y, c0.z], &[lift.x, lift.y, lift.z], &slopes);
+    Some(Step {
+        end,
+        slope_end,
+        error,
+        dense,
+        center: center.map(|c| V3::new(c[0], c[1], c[2])),
+        reaction: [reaction_start, reaction_inside, reaction_end],
+    })
+}
+
+/// Hairer's combination of the estimates of order 5 and 3, in metres: an error of velocity counts with
+/// [`crate::tolerance::ERROR_TIME`], one of orientation with the radius.
+#[inline]
+fn error_estimate<const D: usize, C: Chart>(
+    law: &Law<'_, C>,
+    y: &[f64; D],
+    h: f64,
+    k: &[[f64; D]; STAGES_DENSE],
+) -> f64 {
+    let [e, _, g] = law.chart.frame([y[0], y[1]]).first();
+    let mut norms = [0.0_f64; 2];
+    for (norm, weights) in norms.iter_mut().zip([&E5, &E3]) {
+        let mut sum = [0.0; D];
+        for i in [0, 5, 6, 7, 8, 9, 10, 11] {
+            for x in 0..D {
+                sum[x] += weights[i] * k[i][x];
+            }
+        }
+        let place = e * sum[0] * sum[0] + g * sum[1] * sum[1];
+        let speed = sum[2] * sum[2] + sum[3] * sum[3] + sum[4] * sum[4];
+        let time = crate::tolerance::ERROR_TIME;
+        let mut square = place.max(speed * time * time);
+        if D == super::law::ROLLING {
+            square = square.max(sum[5] * sum[5] * time * time);
+            let turn: f64 = sum[6..].iter().map(|x| x * x).sum();
+            square = square.max(4.0 * turn * law.radius * law.radius);
+        }
+        *norm = square;
+    }
+    let [five, three] = norms;
+    if five == 0.0 {
+        return 0.0;
+    }
+    h * five / (five + 0.01 * three).sqrt()
+}
+
+/// The dense output in powers of theta. The source gives it nested in theta and 1 - theta; expanded here.
+#[inline]
+fn dense_output<const D: usize>(
+    h: f64,
+    y: &[f64; D],
+    rise: &[f64; D],
+    k: &[[f64; D]; STAGES_DENSE],
+) -> [[f64; D]; TERMS] {
+    let mut tail = [[0.0; D]; 4];
+    for (t, weights) in tail.iter_mut().zip(&DENSE) {
+        for i in [0, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] {
+            for x in 0..D {
+                t[x] += weights[i] * k[i][x];
+            }
+        }
+    }
+    let mut out = [[0.0; D]; TERMS];
+    for x in 0..D {
+        let f0 = rise[x];
+        let f1 = h * k[0][x] - f0;
+        let f2 = 2.0 * f0 - h * (k[12][x] + k[0][x]);
+        let [f3, f4, f5, f6] = [h * tail[0][x], h * tail[1][x], h * tail[2][x], h * tail[3][x]];
+        out[0][x] = y[x];
+        out[1][x] = f0 + f1;
+        out[2][x] = (f2 - f1) + f3;
+        out[3][x] = (f4 + f5) - (f2 + 2.0 * f3);
+        out[4][x] = (f3 + f6) - (2.0 * f4 + 3.0 * f5);
+        out[5][x] = (f4 + 3.0 * f5) - 3.0 * f6;
+        out[6][x] = 3.0 * f6 - f5;
+        out[7][x] = -f6;
+    }
+    out
+}

@@ -1,0 +1,106 @@
+//! The equations of motion of one ball on the floor.
+//!
+//! State: chart coordinates q of the contact point, velocity w of the centre in space, and for a rolling ball
+//! sigma = r omega.n (spin about the normal, m/s) and the orientation quaternion. With S(q) the floor, n its
+//! normal, I and II its fundamental forms, k the inertia factor, a the applied acceleration, P = 1 - n n^T:
+//!
+//! ```text
+//! (I - r II) q'  = [S_u.w ; S_v.w]              the contact point under a moving centre c = S + r n
+//! n'             = -(alpha S_u + beta S_v),     I [alpha; beta] = II q'          (Weingarten)
+//! w'             = (P a + k sigma (n x n'))/(1+k) - (n'.w) n
+//! sigma'         = n.(w x n')
+//! orientation'   = 1/2 omega orientation,       omega = (sigma n + n x w)/r
+//! reaction/mass  = -a.n - n'.w
+//! ```
+//!
+//! Why this form: the contact point cannot leave the surface, only second derivatives of S appear, and k = 0
+//! is sliding without friction. It agrees with Newton and Euler's equations under a rolling constraint.
+
+use crate::surface::chart::{Chart, Frame};
+use nalgebra::Vector3;
+
+type V3 = Vector3<f64>;
+
+/// Numbers in a sliding ball's state: q, w.
+pub const SLIDING: usize = 5;
+/// Numbers in a rolling ball's state: q, w, sigma, orientation x y z w.
+pub const ROLLING: usize = 10;
+
+/// A ball's state as numbers; a sliding ball uses the first [`SLIDING`].
+pub type State = [f64; ROLLING];
+
+/// The velocity in a state.
+#[inline]
+pub fn velocity<const D: usize>(y: &[f64; D]) -> V3 {
+    V3::new(y[2], y[3], y[4])
+}
+
+/// One ball's right-hand side.
+#[derive(Clone, Copy, Debug)]
+pub struct Law<'a, C> {
+    /// The floor.
+    pub chart: &'a C,
+    /// Radius, m.
+    pub radius: f64,
+    /// Inertia factor k; 0 for a sliding ball.
+    pub inertia_factor: f64,
+    /// Applied acceleration at the centre: gravity and the player's, m/s^2.
+    pub applied: V3,
+}
+
+impl<C: Chart> Law<'_, C> {
+    /// Time derivative of a state of `D` numbers, and the floor's reaction per mass, m/s^2.
+    #[inline]
+    pub fn slope<const D: usize>(&self, y: &[f64; D]) -> ([f64; D], f64) {
+        let w = velocity(y);
+        let frame = self.chart.frame([y[0], y[1]]);
+        let n = frame.normal();
+        let r = self.radius;
+        let [e, f, g] = frame.first();
+        let [l, m, nn] = frame.second();
+        let (a, b, d) = (e - r * l, f - r * m, g - r * nn);
+        let inverse = 1.0 / (a * d - b * b);
+        let [p, q] = frame.along(&w);
+        let du = (d * p - b * q) * inverse;
+        let dv = (a * q - b * p) * inverse;
+        let h1 = l * du + m * dv;
+        let h2 = m * du + nn * dv;
+        let area = frame.inverse_area_squared();
+        let alpha = (g * h1 - f * h2) * area;
+        let beta = (e * h2 - f * h1) * area;
+        let n_dot = -frame.combine(alpha, beta);
+        let pressing = self.applied.dot(&n);
+        let turning = n_dot.dot(&w);
+        let reaction = -pressing - turning;
+        let tangential = self.applied - n * pressing;
+        let mut out = [0.0; D];
+        out[0] = du;
+        out[1] = dv;
+        if D < ROLLING {
+            let dw = tangential - n * turning;
+            out[2..5].copy_from_slice(dw.as_slice());
+            return (out, reaction);
+        }
+        let k = self.inertia_factor;
+        let sigma = y[5];
+        let across = n.cross(&n_dot);
+        let dw = (tangential + across * (k * sigma)) * (1.0 / (1.0 + k)) - n * turning;
+        out[2..5].copy_from_slice(dw.as_slice());
+        // n.(w x n') = -w.(n x n')
+        out[5] = -w.dot(&across);
+        let omega = (n * sigma + n.cross(&w)) * (0.5 / r);
+        let (x, y4, z, s) = (y[6], y[7], y[8], y[9]);
+        out[6] = omega.x * s + (omega.y * z - omega.z * y4);
+        out[7] = omega.y * s + (omega.z * x - omega.x * z);
+        out[8] = omega.z * s + (omega.x * y4 - omega.y * x);
+        out[9] = -(omega.x * x + omega.y * y4 + omega.z * z);
+        (out, reaction)
+    }
+
+    /// The ball's centre, m.
+    #[inline]
+    pub fn center<const D: usize>(&self, y: &[f64; D]) -> V3 {
+        let frame = self.chart.frame([y[0], y[1]]);
+        frame.point() + frame.normal() * self.radius
+    }
+}

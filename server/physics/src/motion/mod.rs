@@ -1,0 +1,13 @@
+//! How a ball moves while nothing hits it.
+//!
+//! `law` holds the equations, `dop853`, `tsit5` and `rk4` step them, `arc` is what a step leaves behind: one
+//! polynomial that everything else reads. `rotation` turns a ball whose motion needs no stepping.
+
+pub mod arc;
+pub mod body;
+pub mod dop853;
+mod dop853_tableau;
+pub mod law;
+pub mod low_order;
+pub mod rotation;
+pub mod step;

@@ -1,0 +1,3 @@
+//! What happens then: hits change velocities, inside the constraint that keeps balls on the floor.
+
+pub mod impact;

@@ -1,0 +1,302 @@
+//! The nets of S's derivatives on boxes of the parameter square, and what they enclose.
+
+use super::affine::Affine;
+use super::bezier::{BezierPatch, MAX_DEGREE, Parameter};
+
+/// Something for every derivative of S to second order, by component.
+pub(super) struct Derivatives<T> {
+    /// `S_u`.
+    pub u: [T; 3],
+    /// `S_v`.
+    pub v: [T; 3],
+    /// `S_uu`.
+    pub uu: [T; 3],
+    /// `S_uv`.
+    pub uv: [T; 3],
+    /// `S_vv`.
+    pub vv: [T; 3],
+}
+
+impl<T> Derivatives<T> {
+    fn map<R>(&self, f: impl Fn(&T) -> R) -> Derivatives<R> {
+        let each = |vector: &[T; 3]| vector.each_ref().map(&f);
+        Derivatives {
+            u: each(&self.u),
+            v: each(&self.v),
+            uu: each(&self.uu),
+            uv: each(&self.uv),
+            vv: each(&self.vv),
+        }
+    }
+
+    fn vectors(&self) -> [&[T; 3]; 5] {
+        [&self.u, &self.v, &self.uu, &self.uv, &self.vv]
+    }
+}
+
+impl Derivatives<Affine> {
+    /// `S_u x S_v`.
+    pub fn cross(&self) -> [Affine; 3] {
+        let (a, b) = (&self.u, &self.v);
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    }
+}
+
+/// Derivatives on one box.
+impl Derivatives<ScalarNet> {
+    /// Affine enclosures over the box.
+    pub fn enclosures(&self) -> Derivatives<Affine> {
+        self.map(ScalarNet::enclosure)
+    }
+
+    /// Values at a corner of the box.
+    pub fn corner(&self, signs: [f64; 2]) -> Derivatives<Affine> {
+        self.map(|net| net.corner(signs))
+    }
+
+    fn new(patch: &BezierPatch) -> Self {
+        let first = |parameter| -> [ScalarNet; 3] {
+            let (degree, net) = patch.derivative_net(parameter);
+            std::array::from_fn(|k| ScalarNet {
+                degree,
+                coefficients: net.iter().map(|p| p[k]).collect(),
+                slack: patch.net().iter().map(|p| p[k].abs()).fold(0.0, f64::max),
+            })
+        };
+        let (u, v) = (first(Parameter::U), first(Parameter::V));
+        let uu = u.each_ref().map(|net| net.derivative(Parameter::U));
+        let uv = u.each_ref().map(|net| net.derivative(Parameter::V));
+        let vv = v.each_ref().map(|net| net.derivative(Parameter::V));
+        let [p, q] = patch.degree().map(|d| d as f64);
+        let settle = |nets: [ScalarNet; 3], factor: f64| nets.map(|net| net.settled(factor));
+        Self {
+            u: settle(u, p),
+            v: settle(v, q),
+            uu: settle(uu, p * p),
+            uv: settle(uv, p * q),
+            vv: settle(vv, q * q),
+        }
+    }
+}
+
+/// The box `index / 2^halvings .. (index + 1) / 2^halvings` in u and v.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Rectangle {
+    /// Which.
+    pub index: [u32; 2],
+    /// How small.
+    pub halvings: [u32; 2],
+}
+
+impl Rectangle {
+    /// The whole parameter square.
+    pub const WHOLE: Self = Self { index: [0; 2], halvings: [0; 2] };
+
+    fn range(&self, direction: usize) -> [f64; 2] {
+        let width = 1.0 / f64::from(1_u32 << self.halvings[direction]);
+        [f64::from(self.index[direction]) * width, f64::from(self.index[direction] + 1) * width]
+    }
+
+    /// Its middle.
+    pub fn middle(&self) -> [f64; 2] {
+        [0, 1].map(|direction| {
+            let [low, high] = self.range(direction);
+            0.5 * (low + high)
+        })
+    }
+
+    /// A corner; signs are -1 or +1.
+    pub fn corner(&self, signs: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|direction| self.range(direction)[usize::from(signs[direction] > 0.0)])
+    }
+
+    fn half(mut self, direction: usize, upper: u32) -> Self {
+        self.index[direction] = 2 * self.index[direction] + upper;
+        self.halvings[direction] += 1;
+        self
+    }
+}
+
+/// The derivative nets of a patch.
+pub(super) struct DerivativeNets {
+    nets: Derivatives<ScalarNet>,
+    /// Largest absolute coefficient of each derivative, to compare variations by.
+    sizes: [f64; 5],
+}
+
+impl DerivativeNets {
+    /// Of a patch.
+    pub fn new(patch: &BezierPatch) -> Self {
+        let nets = Derivatives::new(patch);
+        let sizes = nets.vectors().map(|vector| vector.iter().map(ScalarNet::size).fold(0.0, f64::max));
+        Self { nets, sizes }
+    }
+
+    /// The two halves of a box, cut across the parameter along which the derivatives change more.
+    pub fn halves(&self, place: &Rectangle) -> [(Rectangle, Derivatives<ScalarNet>); 2] {
+        let nets = self.nets.map(|net| net.restricted(place));
+        let mut variation = [0.0_f64; 2];
+        for (vector, size) in nets.vectors().into_iter().zip(self.sizes) {
+            for net in vector.iter().filter(|_| size > 0.0) {
+                let own = net.variation();
+                variation = [0, 1].map(|d| variation[d].max(own[d] / size));
+            }
+        }
+        let direction = usize::from(variation[1] > variation[0]);
+        [0, 1].map(|upper| (place.half(direction, upper), nets.map(|net| net.half(direction, upper == 1))))
+    }
+}
+
+/// Bernstein coefficients of one component of one derivative; `coefficients[i * (q + 1) + j]`.
+#[derive(Clone, Debug)]
+pub(super) struct ScalarNet {
+    degree: [usize; 2],
+    coefficients: Vec<f64>,
+    /// Every coefficient, also on every box, is this close to that of the exact surface.
+    slack: f64,
+}
+
+/// Rounding of a derivative net: a second difference of numbers of size B is off by at most 24 * 2^-53 B times the degrees.
+const DIFFERENCE_ROUNDING: f64 = 1.0 / (1_u64 << 47) as f64;
+/// Rounding of a restriction to a box and of a half: fewer than 60 roundings and two rounded parameters, each worth at
+/// most 12 ulp of the largest coefficient.
+const RESTRICTION_ROUNDING: f64 = 1.0 / (1_u64 << 43) as f64;
+
+impl ScalarNet {
+    fn derivative(&self, parameter: Parameter) -> Self {
+        let [p, q] = self.degree;
+        let at = |i: usize, j: usize| self.coefficients[i * (q + 1) + j];
+        let (degree, coefficients): ([usize; 2], Vec<f64>) = match parameter {
+            Parameter::U if p > 0 => {
+                let places = (0..p).flat_map(|i| (0..=q).map(move |j| (i, j)));
+                ([p - 1, q], places.map(|(i, j)| (at(i + 1, j) - at(i, j)) * p as f64).collect())
+            }
+            Parameter::V if q > 0 => {
+                let places = (0..=p).flat_map(|i| (0..q).map(move |j| (i, j)));
+                ([p, q - 1], places.map(|(i, j)| (at(i, j + 1) - at(i, j)) * q as f64).collect())
+            }
+            _ => ([0, 0], vec![0.0]),
+        };
+        Self { degree, coefficients, slack: self.slack }
+    }
+
+    /// Turns `slack`, so far the size of S's own coefficients, into the bound on the error. What is constant within it
+    /// becomes a number: on a height field only z is then left to subdivide.
+    fn settled(mut self, factor: f64) -> Self {
+        self.slack = DIFFERENCE_ROUNDING * factor * self.slack + RESTRICTION_ROUNDING * self.size();
+        let [low, high] = self.extremes();
+        if high - low <= self.slack {
+            self.slack += 0.5 * (high - low);
+            self.coefficients = vec![0.5 * (low + high)];
+            self.degree = [0, 0];
+        }
+        self
+    }
+
+    fn extremes(&self) -> [f64; 2] {
+        let start = [f64::INFINITY, f64::NEG_INFINITY];
+        self.coefficients.iter().fold(start, |[low, high], c| [low.min(*c), high.max(*c)])
+    }
+
+    fn size(&self) -> f64 {
+        self.coefficients.iter().map(|c| c.abs()).fold(0.0, f64::max)
+    }
+
+    /// Largest difference of neighbours along u and along v, times the number of steps.
+    fn variation(&self) -> [f64; 2] {
+        let [p, q] = self.degree;
+        let at = |i: usize, j: usize| self.coefficients[i * (q + 1) + j];
+        let mut largest = [0.0_f64; 2];
+        for i in 0..=p {
+            for j in 0..=q {
+                if i < p {
+                    largest[0] = largest[0].max((at(i + 1, j) - at(i, j)).abs());
+                }
+                if j < q {
+                    largest[1] = largest[1].max((at(i, j + 1) - at(i, j)).abs());
+                }
+            }
+        }
+        [largest[0] * p as f64, largest[1] * q as f64]
+    }
+
+    /// The affine function through the corners' mean slopes, and the hull of what the coefficients differ from it: an
+    /// affine function's coefficients are its values at evenly spaced places, so the difference is a net too.
+    fn enclosure(&self) -> Affine {
+        let [p, q] = self.degree;
+        let [south_west, north_west, south_east, north_east] =
+            [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]].map(|signs| self.corner(signs).center);
+        let slope = [
+            0.25 * ((south_east - south_west) + (north_east - north_west)),
+            0.25 * ((north_west - south_west) + (north_east - south_east)),
+        ];
+        let ordinate = |k: usize, n: usize| if n == 0 { 0.0 } else { (2.0 * k as f64 - n as f64) / n as f64 };
+        let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];
+        for (i, row) in self.coefficients.chunks_exact(q + 1).enumerate() {
+            let across = slope[0] * ordinate(i, p);
+            for (j, coefficient) in row.iter().enumerate() {
+                let rest = coefficient - (across + slope[1] * ordinate(j, q));
+                low = low.min(rest);
+                high = high.max(rest);
+            }
+        }
+        // The slack has room for the roundings here: a few ulp of the largest coefficient.
+        Affine { center: 0.5 * (low + high), slope, radius: 0.5 * (high - low) + self.slack }
+    }
+
+    fn corner(&self, signs: [f64; 2]) -> Affine {
+        let [p, q] = self.degree;
+        let i = if signs[0] > 0.0 { p } else { 0 };
+        let j = if signs[1] > 0.0 { q } else { 0 };
+        Affine::number(self.coefficients[i * (q + 1) + j], self.slack)
+    }
+
+    fn restricted(&self, place: &Rectangle) -> Self {
+        let mut net = self.clone();
+        for direction in [0, 1] {
+            let [low, high] = place.range(direction);
+            if high < 1.0 {
+                net.keep(direction, high, false);
+            }
+            if low > 0.0 {
+                net.keep(direction, low / high, true);
+            }
+        }
+        net
+    }
+
+    fn half(&self, direction: usize, upper: bool) -> Self {
+        let mut net = self.clone();
+        net.keep(direction, 0.5, upper);
+        net
+    }
+
+    /// Keeps the part above or below `t` of one parameter, by de Casteljau.
+    fn keep(&mut self, direction: usize, t: f64, upper: bool) {
+        let [p, q] = self.degree;
+        let (n, stride, lines, line_stride) =
+            if direction == 0 { (p, q + 1, q + 1, 1) } else { (q, 1, p + 1, q + 1) };
+        let s = 1.0 - t;
+        let mut work = [0.0; MAX_DEGREE + 1];
+        for line in 0..lines {
+            let base = line * line_stride;
+            for (k, w) in work.iter_mut().enumerate().take(n + 1) {
+                *w = self.coefficients[base + k * stride];
+            }
+            for k in 0..n {
+                for i in 0..n - k {
+                    work[i] = s * work[i] + t * work[i + 1];
+                }
+                // The first entry is now coefficient k + 1 of the lower part, entry n - k - 1 that of the upper one.
+                if !upper {
+                    self.coefficients[base + (k + 1) * stride] = work[0];
+                }
+            }
+            if upper {
+                for (k, w) in work.iter().enumerate().take(n + 1) {
+                    self.coefficients[base + k * stride] = *w;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! One world being run and served: simulation, inbox, tick loop and its place on the network.
+
+use crate::handover::Handover;
+use crate::inbox::Inbox;
+use crate::network::{self, NetworkError};
+use crate::scene_file::{SceneError, SceneText};
+use crate::simulation::Simulation;
+use crate::tick_loop::TickLoop;
+use protocol::keys::{DEFAULT_ARENA, Name};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::SystemTime;
+
+/// Ticks a simulated second that an arena may have.
+pub const TICK_RATES_HZ: std::ops::RangeInclusive<u32> = 1..=1000;
+
+/// How to run an arena.
+#[derive(Clone, Debug)]
+pub struct ArenaOptions {
+    /// Its name in the keys.
+    pub arena: Name,
+    /// Ticks a simulated second, 1 to 1000.
+    pub tick_rate_hz: u32,
+    /// Whether to begin with the clock standing.
+    pub paused: bool,
+    /// Endpoints to listen on; with none, loopback at 7447 or the next free port.
+    pub listen: Vec<String>,
+    /// Routers to connect to.
+    pub connect: Vec<String>,
+    /// A Zenoh configuration file, taken as it stands but for the endpoints above.
+    pub config: Option<PathBuf>,
+}
+
+impl Default for ArenaOptions {
+    fn default() -> Self {
+        Self {
+            arena: DEFAULT_ARENA.parse().expect("a valid name"),
+            tick_rate_hz: 60,
+            paused: false,
+            listen: Vec::new(),
+            connect: Vec::new(),
+            config: None,
+        }
+    }
+}
+
+/// Why an arena did not start.
+#[derive(Debug, thiserror::Error)]
+pub enum ArenaError {
+    /// The scene cannot be run.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The network cannot be reached.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+    /// The rate is out of its range.
+    #[error("a tick rate of {0} Hz is out of range: use 1 to 1000")]
+    Rate(u32),
+    /// No thread could be started.
+    #[error("no thread could be started: {0}")]
+    Thread(#[from] std::io::Error),
+}
+
+/// Where arenas begin.
+pub struct Arena;
+
+impl Arena {
+    /// Loads the scene, opens the session, and starts ticking.
+    pub fn start(scene: &SceneText, options: &ArenaOptions) -> Result<ArenaHandle, ArenaError> {
+        if !TICK_RATES_HZ.contains(&options.tick_rate_hz) {
+            return Err(ArenaError::Rate(options.tick_rate_hz));
+        }
+        let simulation = Simulation::new(Arc::new(scene.load()?), options.tick_rate_hz, first_epoch())?;
+        let inbox = Arc::new(Inbox::default());
+        let handover = Arc::new(Handover::new());
+        let stop = Arc::new(AtomicBool::new(false));
+        let network = network::Network::open(options, &simulation, &inbox, handover.clone())?;
+        let endpoints = network.endpoints().to_vec();
+        let tick_loop = TickLoop::new(simulation, inbox, handover, stop.clone(), options.paused);
+        let threads = vec![
+            std::thread::Builder::new().name("tick".into()).spawn(move || tick_loop.run())?,
+            std::thread::Builder::new().name("publish".into()).spawn(move || network.run())?,
+        ];
+        Ok(ArenaHandle { endpoints, stop, threads })
+    }
+}
+
+/// Milliseconds since 1970: later starts have larger epochs, and every reader of JSON can hold them.
+fn first_epoch() -> u64 {
+    SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_millis() as u64
+}
+
+/// A running arena; it stops when this is dropped.
+pub struct ArenaHandle {
+    endpoints: Vec<String>,
+    stop: Arc<AtomicBool>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl ArenaHandle {
+    /// Where clients connect to: the first endpoint listened on.
+    pub fn endpoint(&self) -> &str {
+        self.endpoints.first().map_or("", String::as_str)
+    }
+
+    /// All endpoints listened on.
+    pub fn endpoints(&self) -> &[String] {
+        &self.endpoints
+    }
+
+    /// Asks it to stop.
+    pub fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it has ended, by request or by a fault.
+    pub fn is_finished(&self) -> bool {
+        self.threads.iter().any(JoinHandle::is_finished)
+    }
+
+    /// Stops it and waits for the end; false when one of its threads had panicked.
+    pub fn join(mut self) -> bool {
+        self.finish()
+    }
+
+    fn finish(&mut self) -> bool {
+        self.stop();
+        // Not short-circuiting: every thread is waited for.
+        self.threads.drain(..).map(JoinHandle::join).fold(true, |well, ended| well & ended.is_ok())
+    }
+}
+
+impl Drop for ArenaHandle {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}

@@ -1,0 +1,51 @@
+//! How tools reach a server.
+
+use super::exit::Refused;
+use ballroom_client::{Abort, Client, ClientOptions};
+use protocol::command::Command;
+use protocol::keys::Name;
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Where the server is.
+#[derive(clap::Args, Debug)]
+pub struct Connection {
+    /// Endpoint of the server [default: tcp/127.0.0.1:7447]
+    #[arg(short = 'e', long = "connect", value_name = "ENDPOINT")]
+    connect: Vec<String>,
+    /// Zenoh configuration file, JSON5 or YAML
+    #[arg(short = 'c', long = "cfg", value_name = "FILE", env = "ZENOH_CONFIG")]
+    cfg: Option<PathBuf>,
+    /// Name of the arena
+    #[arg(long, default_value = protocol::keys::DEFAULT_ARENA, value_name = "NAME")]
+    arena: Name,
+}
+
+impl Connection {
+    /// A session, given up after 3 s without a server.
+    pub fn open(&self, abort: Abort, timeout: Duration) -> anyhow::Result<Client> {
+        let options = ClientOptions {
+            endpoints: self.connect.clone(),
+            config: self.cfg.clone(),
+            arena: self.arena.clone(),
+            timeout,
+            abort,
+            ..ClientOptions::default()
+        };
+        Ok(Client::open(options)?)
+    }
+
+    /// Sends a command and says what came of it.
+    pub fn command(&self, command: &Command, timeout: Duration) -> anyhow::Result<()> {
+        let reply = self.open(Abort::default(), timeout)?.command(command)?;
+        if !reply.ok {
+            return Err(Refused(reply.error).into());
+        }
+        writeln!(std::io::stdout(), "done at tick {} of epoch {}", reply.tick, reply.epoch)?;
+        Ok(())
+    }
+}
+
+/// How long one answer may take that needs no work.
+pub const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);

@@ -1,0 +1,76 @@
+//! The command line: one file a subcommand, and what they share.
+
+mod check;
+mod clock;
+mod connection;
+mod exit;
+mod lines;
+mod serve;
+mod signals;
+mod simulate;
+mod steer;
+mod watch;
+
+use clap::{Parser, Subcommand};
+use std::io::IsTerminal;
+use std::process::ExitCode;
+use tracing_subscriber::EnvFilter;
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0    done; also: ended by Ctrl-C or SIGTERM, or nobody reads the output any more
+  1    failed
+  2    the command line is wrong
+  3    no server was found
+  4    the server refused
+  5    the scene is wrong
+  130  ended by a signal before the work was done, or by a second Ctrl-C
+
+RUST_LOG sets what is logged to stderr, for instance RUST_LOG=debug,zenoh=warn.";
+
+/// Balls rolling and colliding on Bezier floors: the server and its tools.
+#[derive(Parser)]
+#[command(name = "ballroom", version, after_help = EXIT_CODES, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Subcommands,
+}
+
+#[derive(Subcommand)]
+enum Subcommands {
+    Serve(serve::Serve),
+    Check(check::Check),
+    Steer(steer::Steer),
+    Pause(clock::Pause),
+    Resume(clock::Resume),
+    Step(clock::Step),
+    Reset(clock::Reset),
+    Speed(clock::Speed),
+    Watch(watch::Watch),
+    Simulate(simulate::Simulate),
+}
+
+/// Runs the subcommand and says in one line what went wrong.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info,zenoh=error"));
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
+        .with_target(false)
+        .init();
+    let done = match cli.command {
+        Subcommands::Serve(serve) => serve.run(),
+        Subcommands::Check(check) => check.run(),
+        Subcommands::Steer(steer) => steer.run(),
+        Subcommands::Pause(pause) => pause.run(),
+        Subcommands::Resume(resume) => resume.run(),
+        Subcommands::Step(step) => step.run(),
+        Subcommands::Reset(reset) => reset.run(),
+        Subcommands::Speed(speed) => speed.run(),
+        Subcommands::Watch(watch) => watch.run(),
+        Subcommands::Simulate(simulate) => simulate.run(),
+    };
+    done.map_or_else(|error| exit::code_of(&error), |()| ExitCode::SUCCESS)
+}

@@ -1,0 +1,71 @@
+//! `serve`: run a scene and serve it until told to stop.
+
+use super::signals::abort_on_signal;
+use anyhow::bail;
+use protocol::keys::Name;
+use server::{Arena, ArenaOptions, SceneText};
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Run a scene and serve it over Zenoh; the endpoint goes to stdout
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  ballroom serve
+  ballroom serve thousand --rate 120
+  ballroom serve my_scene.toml -l tcp/127.0.0.1:7500 --paused
+
+Without -l it listens on tcp/127.0.0.1:7447, or the next free port, and only this machine can reach it.")]
+pub struct Serve {
+    /// Name of a built-in scene, or a file ending in .toml
+    #[arg(default_value = "original")]
+    scene: String,
+    /// Ticks a simulated second
+    #[arg(long, value_name = "HZ", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    rate: u32,
+    /// Endpoint to listen on, for instance tcp/127.0.0.1:0 for any free port
+    #[arg(short = 'l', long = "listen", value_name = "ENDPOINT")]
+    listen: Vec<String>,
+    /// Router to connect to
+    #[arg(short = 'e', long = "connect", value_name = "ENDPOINT")]
+    connect: Vec<String>,
+    /// Zenoh configuration file, JSON5 or YAML
+    #[arg(short = 'c', long = "cfg", value_name = "FILE", env = "ZENOH_CONFIG")]
+    cfg: Option<PathBuf>,
+    /// Name of the arena in the keys
+    #[arg(long, default_value = protocol::keys::DEFAULT_ARENA, value_name = "NAME")]
+    arena: Name,
+    /// Begin with the clock standing
+    #[arg(long)]
+    paused: bool,
+}
+
+impl Serve {
+    pub fn run(self) -> anyhow::Result<()> {
+        let scene = SceneText::open(&self.scene)?;
+        let options = ArenaOptions {
+            arena: self.arena,
+            tick_rate_hz: self.rate,
+            paused: self.paused,
+            listen: self.listen,
+            connect: self.connect,
+            config: self.cfg,
+        };
+        let abort = abort_on_signal()?;
+        let arena = Arena::start(&scene, &options)?;
+        let (endpoint, name) = (arena.endpoint(), &options.arena);
+        tracing::info!("{} runs at {} Hz as arena {name} on {endpoint}", self.scene, self.rate);
+        // Scripts wait for this line; nobody has to.
+        drop(writeln!(std::io::stdout(), "{endpoint}"));
+        while !abort.is_aborted() && !arena.is_finished() {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        let asked = abort.is_aborted();
+        if !(arena.join() && asked) {
+            bail!("the arena ended by itself; the log says why");
+        }
+        tracing::info!("ended");
+        Ok(())
+    }
+}

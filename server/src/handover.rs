@@ -1,0 +1,157 @@
+//! What the tick thread hands to the publisher: the newest state only, every hit, every answer. Nothing here blocks
+//! the tick: the lock is held for swaps, buffers go round, and what does not fit is counted.
+
+use crate::inbox::Answered;
+use crate::simulation::NumberedHit;
+use protocol::snapshot::Snapshot;
+use protocol::stats::Stats;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// Hits kept while the publisher is busy.
+const HITS_CAPACITY: usize = 16_384;
+/// Snapshot buffers in circulation: one being written, one waiting, one being sent, one being asked for.
+const BUFFERS: usize = 4;
+
+/// Everything since the publisher last looked.
+#[derive(Default)]
+pub struct Batch {
+    /// The newest state, if there is a new one.
+    pub state: Option<Snapshot>,
+    /// Every hit, oldest first.
+    pub hits: Vec<NumberedHit>,
+    /// Hits that found no room so far.
+    pub hits_dropped: u64,
+    /// Replies to be sent.
+    pub answers: Vec<Answered>,
+    /// Statistics, once a second.
+    pub stats: Option<Stats>,
+    /// Whether no more will come.
+    pub ended: bool,
+}
+
+impl Batch {
+    fn is_empty(&self) -> bool {
+        self.state.is_none()
+            && self.hits.is_empty()
+            && self.answers.is_empty()
+            && self.stats.is_none()
+            && !self.ended
+    }
+}
+
+#[derive(Default)]
+struct Shelf {
+    batch: Batch,
+    spare: Vec<Snapshot>,
+    skipped: u64,
+}
+
+/// The place between the two threads.
+#[derive(Default)]
+pub struct Handover {
+    shelf: Mutex<Shelf>,
+    filled: Condvar,
+}
+
+impl Handover {
+    /// With room for hits already taken.
+    pub fn new() -> Self {
+        let handover = Self::default();
+        handover.lock().batch.hits.reserve_exact(HITS_CAPACITY);
+        handover
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Shelf> {
+        self.shelf.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A buffer to write the next state into.
+    pub fn buffer(&self) -> Snapshot {
+        self.lock().spare.pop().unwrap_or_default()
+    }
+
+    /// Puts a state out, taking the place of one not fetched yet, and hits and answers with it; both lists are emptied.
+    pub fn put(
+        &self,
+        state: Option<Snapshot>,
+        hits: &mut Vec<NumberedHit>,
+        answers: &mut Vec<Answered>,
+        stats: Option<Stats>,
+    ) {
+        let mut shelf = self.lock();
+        if let Some(state) = state
+            && let Some(overtaken) = shelf.batch.state.replace(state)
+        {
+            shelf.skipped += 1;
+            give_back(&mut shelf.spare, overtaken);
+        }
+        let room = HITS_CAPACITY.saturating_sub(shelf.batch.hits.len()).min(hits.len());
+        shelf.batch.hits_dropped += (hits.len() - room) as u64;
+        shelf.batch.hits.extend(hits.drain(..).take(room));
+        shelf.batch.answers.append(answers);
+        if stats.is_some() {
+            shelf.batch.stats = stats;
+        }
+        drop(shelf);
+        self.filled.notify_one();
+    }
+
+    /// Says that nothing more will come.
+    pub fn end(&self) {
+        self.lock().batch.ended = true;
+        self.filled.notify_one();
+    }
+
+    /// Swaps what has gathered for `batch`, whose lists must be empty, waiting at most `timeout` for something.
+    pub fn take(&self, batch: &mut Batch, timeout: Duration) {
+        let mut shelf = self.lock();
+        if shelf.batch.is_empty() {
+            shelf = self.filled.wait_timeout(shelf, timeout).unwrap_or_else(PoisonError::into_inner).0;
+        }
+        batch.hits.reserve_exact(HITS_CAPACITY.saturating_sub(batch.hits.capacity()));
+        std::mem::swap(&mut shelf.batch, batch);
+        shelf.batch.hits_dropped = batch.hits_dropped;
+        shelf.batch.ended = batch.ended;
+        shelf.batch.state = None;
+        shelf.batch.stats = None;
+    }
+
+    /// Gives a buffer back to be written again.
+    pub fn recycle(&self, buffer: Snapshot) {
+        give_back(&mut self.lock().spare, buffer);
+    }
+
+    /// States overtaken by a newer one before they were fetched.
+    pub fn skipped(&self) -> u64 {
+        self.lock().skipped
+    }
+}
+
+fn give_back(spare: &mut Vec<Snapshot>, buffer: Snapshot) {
+    if spare.len() < BUFFERS {
+        spare.push(buffer);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_newest_state_waits_and_buffers_go_round() {
+        let handover = Handover::new();
+        for tick in 1..=3 {
+            let mut state = handover.buffer();
+            state.tick = tick;
+            handover.put(Some(state), &mut Vec::new(), &mut Vec::new(), None);
+        }
+        let mut batch = Batch::default();
+        handover.take(&mut batch, Duration::ZERO);
+        let state = batch.state.take().unwrap();
+        assert_eq!((state.tick, handover.skipped()), (3, 2));
+        handover.recycle(state);
+        handover.take(&mut batch, Duration::ZERO);
+        assert!(batch.state.is_none());
+    }
+}

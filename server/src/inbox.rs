@@ -1,0 +1,123 @@
+//! Commands as they arrive: bounded, in order, drained by the tick loop.
+
+use protocol::command::{Command, Reply};
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Most commands waiting for one tick.
+pub const INBOX_CAPACITY: usize = 1024;
+
+/// How a reply reaches whoever asked; called off the tick thread.
+pub type Answer = Box<dyn FnOnce(&Reply) + Send>;
+
+/// A command on its way.
+pub struct Request {
+    /// What to do.
+    pub command: Command,
+    /// Whom to tell, if anyone asked.
+    pub answer: Option<Answer>,
+}
+
+/// A reply on its way back.
+pub struct Answered {
+    /// Whom to tell.
+    pub answer: Answer,
+    /// What.
+    pub reply: Reply,
+}
+
+/// The queue between the network and the tick loop.
+#[derive(Default)]
+pub struct Inbox {
+    waiting: Mutex<VecDeque<Request>>,
+    arrived: Condvar,
+    accepted: AtomicU64,
+    refused: AtomicU64,
+}
+
+impl Inbox {
+    /// Takes a request, or gives it back when the queue is full.
+    pub fn offer(&self, request: Request) -> Result<(), Request> {
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        if waiting.len() >= INBOX_CAPACITY {
+            return Err(request);
+        }
+        waiting.push_back(request);
+        drop(waiting);
+        self.arrived.notify_one();
+        Ok(())
+    }
+
+    /// Moves everything that waits to the end of `out`, in order of arrival.
+    pub fn drain_into(&self, out: &mut Vec<Request>) {
+        out.extend(self.waiting.lock().unwrap_or_else(PoisonError::into_inner).drain(..));
+    }
+
+    /// Sleeps until `deadline` or until something waits.
+    pub fn wait_until(&self, deadline: Instant) {
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        while waiting.is_empty() {
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left == Duration::ZERO {
+                return;
+            }
+            waiting = self.arrived.wait_timeout(waiting, left).unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
+    /// Counts a command that was obeyed.
+    pub fn count_accepted(&self) {
+        self.accepted.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Counts a command that was refused, wherever that was.
+    pub fn count_refused(&self) {
+        self.refused.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Commands obeyed and refused so far.
+    pub fn counts(&self) -> [u64; 2] {
+        [self.accepted.load(Ordering::Relaxed), self.refused.load(Ordering::Relaxed)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn step(ticks: u64) -> Request {
+        Request { command: Command::Step { ticks }, answer: None }
+    }
+
+    #[test]
+    fn requests_come_out_in_order_and_the_queue_is_bounded() {
+        let inbox = Inbox::default();
+        for i in 0..INBOX_CAPACITY {
+            assert!(inbox.offer(step(i as u64)).is_ok());
+        }
+        assert!(inbox.offer(step(0)).is_err());
+        let mut out = Vec::new();
+        inbox.drain_into(&mut out);
+        let ticks = out.iter().map(|request| match request.command {
+            Command::Step { ticks } => ticks,
+            _ => u64::MAX,
+        });
+        assert!(ticks.eq(0..INBOX_CAPACITY as u64));
+        assert!(inbox.offer(step(0)).is_ok());
+    }
+
+    #[test]
+    fn waiting_ends_at_an_arrival_or_the_deadline() {
+        let inbox = Inbox::default();
+        let start = Instant::now();
+        inbox.wait_until(start + Duration::from_millis(20));
+        assert!(start.elapsed() >= Duration::from_millis(20));
+        std::thread::scope(|scope| {
+            scope.spawn(|| inbox.offer(step(1)).map_err(|_| ()).unwrap());
+            inbox.wait_until(Instant::now() + Duration::from_mins(1));
+        });
+        assert!(start.elapsed() < Duration::from_secs(30));
+    }
+}

@@ -1,0 +1,144 @@
+//! The arena's place on the network. Only here does the server name Zenoh.
+//!
+//! | file | what |
+//! |---|---|
+//! | `session` | one session that is its own router |
+//! | `services` | commands and questions coming in |
+//! | `budget` | how many commands one source may send |
+//! | `publisher` | states, hits and statistics going out, on a thread of its own |
+
+mod budget;
+mod publisher;
+mod services;
+mod session;
+
+use crate::arena::ArenaOptions;
+use crate::handover::Handover;
+use crate::inbox::Inbox;
+use crate::simulation::Simulation;
+use protocol::info::Info;
+use protocol::keys::{Keys, Name, Role};
+use protocol::scene::Scene;
+use protocol::snapshot::{Roster, Snapshot, World};
+use protocol::stats::Stats;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+use zenoh::Wait;
+
+/// Longest wait for an orderly end of the session.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// Why the network cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum NetworkError {
+    /// The configuration is unusable.
+    #[error("Zenoh does not accept {what}: {why}")]
+    Config {
+        /// The file, or the setting.
+        what: String,
+        /// In its words.
+        why: String,
+    },
+    /// Every port that was tried is taken.
+    #[error(
+        "ports {first} to {last} on 127.0.0.1 are all taken: name a free endpoint with -l tcp/127.0.0.1:PORT"
+    )]
+    NoPort {
+        /// First tried.
+        first: u16,
+        /// Last tried.
+        last: u16,
+    },
+    /// Zenoh failed.
+    #[error("Zenoh: {0}")]
+    Zenoh(#[from] zenoh::Error),
+}
+
+/// What questions are answered from. The tick thread never touches it.
+pub(crate) struct Latest {
+    scene: Arc<Scene>,
+    roster: Arc<Roster>,
+    info: Info,
+    state: Mutex<Snapshot>,
+    stats: Mutex<Stats>,
+}
+
+impl Latest {
+    fn world(&self) -> World {
+        World {
+            scene: (*self.scene).clone(),
+            roster: (*self.roster).clone(),
+            tick_rate_hz: self.info.tick_rate_hz,
+            snapshot: self.state.lock().unwrap_or_else(PoisonError::into_inner).clone(),
+        }
+    }
+
+    fn stats(&self) -> Stats {
+        self.stats.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn set_stats(&self, stats: Stats) {
+        *self.stats.lock().unwrap_or_else(PoisonError::into_inner) = stats;
+    }
+
+    /// Keeps `state` and gives back the one kept before.
+    fn replace_state(&self, state: Snapshot) -> Snapshot {
+        std::mem::replace(&mut *self.state.lock().unwrap_or_else(PoisonError::into_inner), state)
+    }
+}
+
+/// An open session with everything declared; [`Network::run`] is the publisher's thread.
+pub(crate) struct Network {
+    session: zenoh::Session,
+    endpoints: Vec<String>,
+    publisher: publisher::Publisher,
+    services: services::Services,
+    alive: zenoh::liveliness::LivelinessToken,
+}
+
+impl Network {
+    pub(crate) fn open(
+        options: &ArenaOptions,
+        simulation: &Simulation,
+        inbox: &Arc<Inbox>,
+        handover: Arc<Handover>,
+    ) -> Result<Self, NetworkError> {
+        let mut first = Snapshot::default();
+        simulation.write_snapshot(&mut first);
+        first.paused = options.paused;
+        let mut stats = Stats { paused: options.paused, speed_factor: 1.0, ..Stats::default() };
+        simulation.write_stats(&mut stats);
+        let latest = Arc::new(Latest {
+            scene: simulation.loaded().scene().clone(),
+            roster: simulation.roster().clone(),
+            info: Info::new(options.arena.as_str(), options.tick_rate_hz),
+            state: Mutex::new(first),
+            stats: Mutex::new(stats),
+        });
+        let keys = Keys::new(&options.arena);
+        let (session, endpoints) = session::open(options)?;
+        let services = services::Services::declare(&session, &keys, &latest, inbox)?;
+        let publisher = publisher::Publisher::declare(&session, &keys, latest, handover)?;
+        // Last: who sees the token finds everything else in place. The epoch is a number, so this is a name.
+        let id: Name = simulation.epoch().to_string().parse().expect("digits are a name");
+        let alive = session.liveliness().declare_token(keys.alive(Role::Server, &id)).wait()?;
+        Ok(Self { session, endpoints, publisher, services, alive })
+    }
+
+    pub(crate) fn endpoints(&self) -> &[String] {
+        &self.endpoints
+    }
+
+    /// Publishes until the tick loop has ended, then closes the session.
+    pub(crate) fn run(mut self) {
+        self.publisher.run();
+        drop((self.alive, self.services, self.publisher));
+        // Closing may wait long for a link that is in trouble; nobody has to wait for that.
+        let (done, closed) = std::sync::mpsc::sync_channel(1);
+        let session = self.session;
+        std::thread::spawn(move || drop(done.send(session.close().wait())));
+        if !matches!(closed.recv_timeout(CLOSE_TIMEOUT), Ok(Ok(()))) {
+            tracing::debug!("the session did not close in order");
+        }
+    }
+}

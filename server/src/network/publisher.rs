@@ -1,0 +1,125 @@
+//! States, hits and statistics going out. Zenoh serves every link in the calling thread, so this one is its own.
+
+use super::{Latest, NetworkError};
+use crate::handover::{Batch, Handover};
+use protocol::codec;
+use protocol::event::Events;
+use protocol::keys::Keys;
+use std::sync::Arc;
+use std::time::Duration;
+use zenoh::bytes::Encoding;
+use zenoh::qos::{CongestionControl, Priority};
+use zenoh::{Session, Wait};
+
+type ZenohPublisher = zenoh::pubsub::Publisher<'static>;
+
+/// Longest wait for something to publish.
+const IDLE: Duration = Duration::from_millis(500);
+
+/// The outgoing side of an arena.
+pub struct Publisher {
+    state: ZenohPublisher,
+    event: ZenohPublisher,
+    stats: ZenohPublisher,
+    scene: ZenohPublisher,
+    latest: Arc<Latest>,
+    handover: Arc<Handover>,
+    batch: Batch,
+    epoch: Option<u64>,
+    published: u64,
+    /// Length of the last frame, to take room once.
+    frame_bytes: usize,
+}
+
+impl Publisher {
+    /// Declares the four publishers once for all.
+    pub fn declare(
+        session: &Session,
+        keys: &Keys,
+        latest: Arc<Latest>,
+        handover: Arc<Handover>,
+    ) -> Result<Self, NetworkError> {
+        // Dropping keeps one slow reader from holding up the others; a state is soon followed by a newer one. Not
+        // express: that would give up batching.
+        let declare = |key: String, priority, encoding: Encoding| {
+            session
+                .declare_publisher(key)
+                .priority(priority)
+                .congestion_control(CongestionControl::Drop)
+                .encoding(encoding)
+                .wait()
+        };
+        Ok(Self {
+            state: declare(keys.state(), Priority::DataHigh, Encoding::APPLICATION_CBOR)?,
+            event: declare(keys.event(), Priority::Data, Encoding::APPLICATION_JSON)?,
+            stats: declare(keys.stats(), Priority::DataLow, Encoding::APPLICATION_JSON)?,
+            scene: declare(keys.meta_scene(), Priority::DataLow, Encoding::APPLICATION_JSON)?,
+            latest,
+            handover,
+            batch: Batch::default(),
+            epoch: None,
+            published: 0,
+            frame_bytes: 0,
+        })
+    }
+
+    /// Publishes until the tick loop has ended.
+    pub fn run(&mut self) {
+        while !self.batch.ended {
+            self.handover.take(&mut self.batch, IDLE);
+            self.publish_state();
+            // After the state: whoever is told that something is done finds it done.
+            for answered in self.batch.answers.drain(..) {
+                (answered.answer)(&answered.reply);
+            }
+            self.publish_hits();
+            self.publish_stats();
+        }
+    }
+
+    fn publish_state(&mut self) {
+        let Some(state) = self.batch.state.take() else { return };
+        if is_wanted(&self.state) {
+            let mut frame = Vec::with_capacity(self.frame_bytes);
+            codec::encode_state(&state, &mut frame);
+            self.frame_bytes = frame.len();
+            put(&self.state, frame);
+            self.published += 1;
+        }
+        if self.epoch.replace(state.epoch) != Some(state.epoch) && is_wanted(&self.scene) {
+            put(&self.scene, codec::encode_json(&*self.latest.scene));
+        }
+        self.handover.recycle(self.latest.replace_state(state));
+    }
+
+    fn publish_hits(&mut self) {
+        if is_wanted(&self.event) {
+            for hits in self.batch.hits.chunks(codec::MAX_EVENTS) {
+                let events = hits.iter().map(|hit| hit.to_event(&self.latest.roster)).collect();
+                put(&self.event, codec::encode_json(&Events { events, dropped: self.batch.hits_dropped }));
+            }
+        }
+        self.batch.hits.clear();
+    }
+
+    fn publish_stats(&mut self) {
+        let Some(mut stats) = self.batch.stats.take() else { return };
+        stats.states_published = self.published;
+        stats.states_skipped = self.handover.skipped();
+        if is_wanted(&self.stats) {
+            put(&self.stats, codec::encode_json(&stats));
+        }
+        self.latest.set_stats(stats);
+    }
+}
+
+/// Whether anybody listens; encoding for nobody is what there is to save.
+fn is_wanted(publisher: &ZenohPublisher) -> bool {
+    publisher.matching_status().wait().is_ok_and(|status| status.matching())
+}
+
+fn put(publisher: &ZenohPublisher, bytes: Vec<u8>) {
+    if let Err(e) = publisher.put(bytes).wait() {
+        tracing::debug!("{} could not be published: {e}", publisher.key_expr());
+    }
+}

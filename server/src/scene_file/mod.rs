@@ -1,0 +1,196 @@
+//! Scene files: from the text people write to what the engine takes, refusing with file, line and field.
+
+mod cloud;
+mod fault;
+mod floor;
+mod limits;
+mod palette;
+mod walls;
+
+use ballroom_physics as physics;
+use nalgebra::Vector3;
+use protocol::scene::{Accuracy, Integrator, Motion, Scene};
+pub use protocol::scene_text::SceneError;
+use protocol::scene_text::{MAX_SCENE_BYTES, error_at, parse};
+use std::borrow::Cow;
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The scenes that come with the program: name and text.
+const BUILT_IN: [(&str, &str); 7] = [
+    ("original", include_str!("../../scenes/original.toml")),
+    ("original_frictionless", include_str!("../../scenes/original_frictionless.toml")),
+    ("bowl", include_str!("../../scenes/bowl.toml")),
+    ("plane", include_str!("../../scenes/plane.toml")),
+    ("cradle", include_str!("../../scenes/cradle.toml")),
+    ("galperin", include_str!("../../scenes/galperin.toml")),
+    ("thousand", include_str!("../../scenes/thousand.toml")),
+];
+
+/// Names of the scenes that come with the program.
+pub fn built_in_names() -> impl Iterator<Item = &'static str> {
+    BUILT_IN.iter().map(|(name, _)| *name)
+}
+
+/// The text of a scene and where it came from.
+#[derive(Clone, Debug)]
+pub struct SceneText {
+    file: String,
+    text: Cow<'static, str>,
+}
+
+impl SceneText {
+    /// A text under a name for messages.
+    pub fn new(file: impl Into<String>, text: impl Into<Cow<'static, str>>) -> Self {
+        Self { file: file.into(), text: text.into() }
+    }
+
+    /// A built-in scene by its bare name; a file when `scene` ends in `.toml` or holds a path separator.
+    pub fn open(scene: &str) -> Result<Self, SceneError> {
+        let fault = |message: String| SceneError {
+            file: scene.to_owned(),
+            line_column: None,
+            field: String::new(),
+            message,
+        };
+        let is_path = Path::new(scene).extension().is_some_and(|end| end == "toml")
+            || scene.contains(std::path::is_separator);
+        if is_path {
+            let file = std::fs::File::open(scene).map_err(|e| fault(format!("cannot be opened: {e}")))?;
+            let mut text = String::new();
+            // One byte more than is allowed shows that there are more.
+            let limit = MAX_SCENE_BYTES as u64 + 1;
+            file.take(limit).read_to_string(&mut text).map_err(|e| fault(format!("cannot be read: {e}")))?;
+            return Ok(Self::new(scene, text));
+        }
+        let known = BUILT_IN.iter().find(|(name, _)| *name == scene);
+        let (name, text) = known.ok_or_else(|| {
+            let names = built_in_names().collect::<Vec<_>>().join(", ");
+            fault(format!("no built-in scene has this name: use one of {names}, or a file ending in .toml"))
+        })?;
+        Ok(Self::new(format!("{name}.toml"), *text))
+    }
+
+    /// Reads and checks it, and places its clouds.
+    pub fn load(&self) -> Result<LoadedScene, SceneError> {
+        let scene = parse(&self.file, &self.text)?;
+        limits::check(self, &scene)?;
+        let walls = walls::convert(self, &scene)?;
+        let mut balls = scene.balls.iter().enumerate().map(|(i, ball)| Placed::of_ball(i, ball)).collect();
+        cloud::place_all(self, &scene, &walls, &mut balls)?;
+        palette::colour(&mut balls);
+        let (walls, wall_fields) = walls.into_iter().unzip();
+        let physics = physics::Scene {
+            floor: floor::convert(self, &scene.floor)?,
+            walls,
+            balls: balls.iter().map(|ball| ball.spec.clone()).collect(),
+            gravity: Vector3::from(scene.gravity_m_per_s2),
+            motion: match scene.motion {
+                Motion::Frictionless => physics::MotionLaw::Frictionless,
+                Motion::Rolling => physics::MotionLaw::Rolling,
+            },
+            restitution: scene.restitution,
+            accuracy: accuracy(scene.accuracy),
+        };
+        let cards = balls.into_iter().map(|ball| ball.card).collect();
+        Ok(LoadedScene { source: self.clone(), scene: Arc::new(scene), physics, cards, wall_fields })
+    }
+
+    fn error(&self, field: impl std::fmt::Display, message: String) -> SceneError {
+        error_at(&self.file, &self.text, &field.to_string(), message)
+    }
+}
+
+fn accuracy(accuracy: Accuracy) -> physics::Accuracy {
+    match accuracy {
+        Accuracy::Tolerance { tolerance_m } => physics::Accuracy::Tolerance(tolerance_m),
+        Accuracy::Fixed { integrator, step_s } => {
+            let scheme = match integrator {
+                Integrator::Rk4 => physics::Scheme::Rk4,
+                Integrator::Tsit5 => physics::Scheme::Tsit5,
+                Integrator::Dop853 => physics::Scheme::Dop853,
+            };
+            physics::Accuracy::Fixed(scheme, step_s)
+        }
+    }
+}
+
+/// A scene that has been read, checked and filled with its balls.
+#[derive(Clone, Debug)]
+pub struct LoadedScene {
+    source: SceneText,
+    scene: Arc<Scene>,
+    physics: physics::Scene,
+    cards: Vec<Card>,
+    wall_fields: Vec<String>,
+}
+
+/// What the engine does not need to know of a ball.
+#[derive(Clone, Debug)]
+pub(crate) struct Card {
+    /// Where it stands in the file: `ball[2]`, or its `cloud[0]`.
+    pub field: String,
+    /// Red, green, blue.
+    pub color_rgb: Option<[u8; 3]>,
+    /// Whether a player may steer it.
+    pub player: bool,
+}
+
+impl LoadedScene {
+    /// The scene as people wrote it and viewers get it.
+    pub const fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// The scene as the engine takes it.
+    pub const fn physics(&self) -> &physics::Scene {
+        &self.physics
+    }
+
+    /// Sets the engine up, naming the place in the file when it refuses.
+    pub fn controller(&self) -> Result<physics::Controller, SceneError> {
+        physics::Controller::new(&self.physics).map_err(|fault| fault::locate(self, &fault))
+    }
+
+    pub(crate) fn cards(&self) -> &[Card] {
+        &self.cards
+    }
+}
+
+/// A ball with all its places known.
+#[derive(Clone, Debug)]
+struct Placed {
+    spec: physics::BallSpec,
+    card: Card,
+}
+
+impl Placed {
+    fn of_ball(index: usize, ball: &protocol::scene::Ball) -> Self {
+        // `limits` saw to it that exactly one is there.
+        let place = match (ball.center_m, ball.contact_m, ball.uv) {
+            (Some(xy), _, _) => physics::Place::Center(xy.into()),
+            (_, Some(xy), _) => physics::Place::Contact(xy.into()),
+            (_, _, uv) => physics::Place::Uv(uv.unwrap_or_default().into()),
+        };
+        Self {
+            spec: physics::BallSpec {
+                name: ball.name.clone(),
+                radius: ball.radius_m,
+                mass: ball.mass_kg,
+                inertia_factor: ball.inertia.factor(),
+                place,
+                velocity: ball.velocity_m_per_s.into(),
+                spin: ball.spin_rad_per_s,
+            },
+            card: Card {
+                field: format!("ball[{index}]"),
+                color_rgb: ball.color.as_deref().and_then(palette::parse),
+                player: ball.player,
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
