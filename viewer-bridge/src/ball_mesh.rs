@@ -21,7 +21,8 @@ const STRIPES: usize = 6;
 /// The ball's mesh in `tint`; `marked` balls are striped with the player's colour instead of white.
 pub fn mesh(tint: [u8; 3], marked: bool, [bands, sectors]: [usize; 2]) -> Mesh3D {
     let other = if marked { palette::PLAYER } else { WHITE };
-    let (mut positions, mut colors, mut triangles) = (Vec::new(), Vec::<Color>::new(), Vec::<[u32; 3]>::new());
+    let (mut positions, mut colors, mut triangles) =
+        (Vec::new(), Vec::<Color>::new(), Vec::<[u32; 3]>::new());
     for stripe in 0..STRIPES {
         // Stripes share no corners, so that colours do not run into each other.
         let first = positions.len() as u32;
@@ -30,7 +31,11 @@ pub fn mesh(tint: [u8; 3], marked: bool, [bands, sectors]: [usize; 2]) -> Mesh3D
             let longitude = TAU * (stripe as f32 + sector as f32 / sectors as f32) / STRIPES as f32;
             for band in 0..=bands {
                 let latitude = PI * (band as f32 / bands as f32 - 0.5);
-                positions.push([latitude.cos() * longitude.cos(), latitude.cos() * longitude.sin(), latitude.sin()]);
+                positions.push([
+                    latitude.cos() * longitude.cos(),
+                    latitude.cos() * longitude.sin(),
+                    latitude.sin(),
+                ]);
                 colors.push(shade);
             }
         }
@@ -39,7 +44,9 @@ pub fn mesh(tint: [u8; 3], marked: bool, [bands, sectors]: [usize; 2]) -> Mesh3D
             let [a, b] = [corner(sector, band), corner(sector + 1, band)];
             let [c, d] = [corner(sector + 1, band + 1), corner(sector, band + 1)];
             // At the poles one of the two triangles has no area.
-            triangles.extend((band > 0).then_some([a, b, c]).into_iter().chain((band + 1 < bands).then_some([a, c, d])));
+            triangles.extend(
+                (band > 0).then_some([a, b, c]).into_iter().chain((band + 1 < bands).then_some([a, c, d])),
+            );
         }
     }
     Mesh3D::new(positions.clone())

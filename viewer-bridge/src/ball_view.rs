@@ -5,7 +5,9 @@ use crate::{ball_mesh, palette};
 use nalgebra::Vector3;
 use protocol::snapshot::{Roster, Snapshot};
 use rerun::components::RotationQuat;
-use rerun::{Clear, InstancePoses3D, LineStrips3D, Mesh3D, Points3D, Quaternion, Radius, RecordingStreamResult};
+use rerun::{
+    Clear, InstancePoses3D, LineStrips3D, Mesh3D, Points3D, Quaternion, Radius, RecordingStreamResult,
+};
 use std::f64::consts::TAU;
 
 /// Up to so many balls are meshes; a viewer on a laptop without a graphics card still turns these.
@@ -23,6 +25,8 @@ pub const PLAYERS: &str = "world/players";
 
 /// Points of the ring round a player's ball.
 const RING_POINTS: usize = 48;
+/// Height of the ring over the floor, in parts of its radius.
+const RING_LIFT: f32 = 0.1;
 
 /// Balls of one roster, sorted into what is logged together.
 pub struct BallView {
@@ -44,7 +48,8 @@ struct Group {
 impl BallView {
     /// Chooses how to draw a roster. Players' balls are meshes whatever the number of the others.
     pub fn of(roster: &Roster) -> Self {
-        let (players, others): (Vec<usize>, Vec<usize>) = (0..roster.names.len()).partition(|ball| roster.player[*ball]);
+        let (players, others): (Vec<usize>, Vec<usize>) =
+            (0..roster.names.len()).partition(|ball| roster.player[*ball]);
         let few = roster.names.len() <= MAX_MESHES;
         let (meshes, points) = if few { (others, vec![]) } else { (vec![], others) };
         let mut groups = grouped(&meshes, roster, false);
@@ -99,14 +104,21 @@ impl BallView {
     /// Scales are logged with every pose: static ones are ignored beside poses that move.
     fn poses(&self, group: &Group, state: &Snapshot) -> InstancePoses3D {
         let members = || group.members.iter().copied();
-        let quaternion = |ball: usize| RotationQuat::from(Quaternion::from_xyzw(state.orientation_xyzw[ball].map(|x| x as f32)));
+        let quaternion = |ball: usize| {
+            RotationQuat::from(Quaternion::from_xyzw(state.orientation_xyzw[ball].map(|x| x as f32)))
+        };
         InstancePoses3D::new()
             .with_translations(members().map(|ball| state.center_m[ball].map(|x| x as f32)))
             .with_quaternions(members().map(quaternion))
             .with_scales(members().map(|ball| [self.radii[ball]; 3]))
     }
 
-    fn log_players(&self, rec: &Recording, state: &Snapshot, ring: impl Fn(usize) -> Ring) -> RecordingStreamResult<()> {
+    fn log_players(
+        &self,
+        rec: &Recording,
+        state: &Snapshot,
+        ring: impl Fn(usize) -> Ring,
+    ) -> RecordingStreamResult<()> {
         if self.players.is_empty() {
             return Ok(());
         }
@@ -144,7 +156,9 @@ impl Ring {
         let along = across.cross(&self.normal);
         let at = |k: usize| {
             let (sin, cos) = (TAU * k as f64 / RING_POINTS as f64).sin_cos();
-            crate::single(self.center + (along * cos + across * sin) * f64::from(radius))
+            let arm = (along * cos + across * sin) * f64::from(radius);
+            // A little above the plane: a flat ring cuts into a floor that is hollow there.
+            crate::single(self.center + arm + self.normal * f64::from(RING_LIFT * radius))
         };
         (0..=RING_POINTS).map(at).collect()
     }
@@ -209,7 +223,9 @@ mod tests {
             let ring = Ring { center: Vector3::new(1.0, 2.0, 3.0), normal };
             for point in ring.points(0.5) {
                 let arm = Vector3::from(point.map(f64::from)) - ring.center;
-                assert!(arm.dot(&normal).abs() < 1e-6 && (arm.norm() - 0.5).abs() < 1e-6);
+                let lift = f64::from(RING_LIFT) * 0.5;
+                assert!((arm.dot(&normal) - lift).abs() < 1e-6);
+                assert!(((arm - normal * lift).norm() - 0.5).abs() < 1e-6);
             }
         }
     }

@@ -91,7 +91,8 @@ impl FloorMesh {
     /// The mesh in Rerun's words, coloured by height.
     pub fn into_mesh3d(self) -> Mesh3D {
         let heights = self.heights();
-        let colors: Vec<Color> = self.positions.iter().map(|p| palette::of_height(f64::from(p[2]), heights)).collect();
+        let colors: Vec<Color> =
+            self.positions.iter().map(|p| palette::of_height(f64::from(p[2]), heights)).collect();
         Mesh3D::new(self.positions)
             .with_vertex_normals(self.normals)
             .with_vertex_colors(colors)
@@ -120,7 +121,11 @@ mod tests {
         let [n, m] = plan.cells;
         let corner = |k: u32| {
             let (i, j) = (k as usize / (m + 1), k as usize % (m + 1));
-            (i as f64 / n as f64, j as f64 / m as f64, Vector3::from(mesh.positions[k as usize].map(f64::from)))
+            (
+                i as f64 / n as f64,
+                j as f64 / m as f64,
+                Vector3::from(mesh.positions[k as usize].map(f64::from)),
+            )
         };
         let mut worst: f64 = 0.0;
         for triangle in mesh.triangles.iter().step_by(7) {
@@ -139,7 +144,11 @@ mod tests {
     #[test]
     fn normals_are_unit_and_point_up() {
         let mesh = FloorMesh::of(&egg_box(), [20, 10]);
-        assert!(mesh.normals.iter().all(|n| n[2] > 0.0 && (n.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-5));
+        assert!(
+            mesh.normals
+                .iter()
+                .all(|n| n[2] > 0.0 && (n.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-5)
+        );
     }
 
     #[test]

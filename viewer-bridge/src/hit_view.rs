@@ -70,7 +70,9 @@ impl HitView {
         let age = |flash: &Flash| ((state.time_s - flash.time_s) / FLASH_S).clamp(0.0, 1.0);
         let points = Points3D::new(self.flashes.iter().map(|flash| flash.point))
             .with_radii(self.flashes.iter().map(|flash| (flash.radius_m * (1.0 - age(flash)).sqrt()) as f32))
-            .with_colors(self.flashes.iter().map(|flash| palette::color(palette::between(YOUNG, OLD, age(flash)))));
+            .with_colors(
+                self.flashes.iter().map(|flash| palette::color(palette::between(YOUNG, OLD, age(flash)))),
+            );
         rec.log(HITS, &points)
     }
 }

@@ -19,7 +19,6 @@ pub mod ball_mesh;
 pub mod ball_view;
 pub mod blueprint;
 pub mod bridge;
-pub mod slot;
 #[cfg(feature = "demo")]
 pub mod demo;
 pub mod floor_mesh;
@@ -31,6 +30,7 @@ pub mod plots;
 pub mod process;
 pub mod recording;
 pub mod scene_view;
+pub mod slot;
 pub mod surface;
 #[cfg(test)]
 mod testing;

@@ -3,12 +3,12 @@
 //! Viewers come, go and join late; the server holds a bounded history for them and never waits for one to come.
 
 use anyhow::{Context, Result, bail};
-use rerun::log::ChunkBatcherConfig;
+use rerun::grpc_server::GrpcServerSink;
+use rerun::sink::LogSink;
 use rerun::web_viewer::WebViewerConfig;
-use rerun::{MemoryLimit, RecordingStream, RecordingStreamBuilder, ServerOptions};
+use rerun::{MemoryLimit, ServerOptions};
 use std::net::{Ipv4Addr, TcpListener};
 use std::process::{Command, Stdio};
-use std::time::Duration;
 
 /// The viewer must match this version exactly.
 pub const RERUN_VERSION: &str = "0.36.3";
@@ -21,8 +21,6 @@ const WEB_PORT: u16 = 9090;
 const PORTS_TRIED: u16 = 32;
 /// History kept for viewers that join late, bytes. The oldest goes first, static data stays.
 const HISTORY_BYTES: u64 = 256 << 20;
-/// How long rows wait for company on their way to a viewer: below one frame at 60 Hz.
-const LIVE_FLUSH: Duration = Duration::from_millis(12);
 
 /// Where viewers find the data.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,18 +31,16 @@ pub struct Live {
     pub web_url: String,
 }
 
-/// Serves a stream to viewers, until the stream is dropped.
-pub fn serve(builder: RecordingStreamBuilder) -> Result<(RecordingStream, Live)> {
+/// Serves what goes into the sink to viewers, until the sink is dropped.
+pub fn serve() -> Result<(Box<dyn LogSink>, Live)> {
     let port = free_port(GRPC_PORT)?;
-    let limits = ServerOptions { memory_limit: MemoryLimit::from_bytes(HISTORY_BYTES), ..ServerOptions::default() };
-    let batching = ChunkBatcherConfig { flush_tick: LIVE_FLUSH, ..ChunkBatcherConfig::LOW_LATENCY };
-    let stream = builder
-        .batcher_config(batching)
-        .serve_grpc_opts(LOOPBACK.to_string(), port, limits)
+    let limits =
+        ServerOptions { memory_limit: MemoryLimit::from_bytes(HISTORY_BYTES), ..ServerOptions::default() };
+    let sink = GrpcServerSink::new(&LOOPBACK.to_string(), port, limits)
         .with_context(|| format!("cannot serve viewers on port {port}"))?;
     let grpc_url = format!("rerun+http://{LOOPBACK}:{port}/proxy");
     let web_url = serve_web_viewer(&grpc_url)?;
-    Ok((stream, Live { grpc_url, web_url }))
+    Ok((Box::new(sink), Live { grpc_url, web_url }))
 }
 
 /// Serves the built-in web viewer and returns the address that opens it on the data.
@@ -56,8 +52,13 @@ fn serve_web_viewer(grpc_url: &str) -> Result<String> {
         open_browser: false,
         ..WebViewerConfig::default()
     };
-    let server = rerun::serve_web_viewer(config).with_context(|| format!("cannot serve the web viewer on port {port}"))?;
-    let url = format!("{}?url={}", server.server_url(), grpc_url.replace('+', "%2B").replace(':', "%3A").replace('/', "%2F"));
+    let server = rerun::serve_web_viewer(config)
+        .with_context(|| format!("cannot serve the web viewer on port {port}"))?;
+    let url = format!(
+        "{}?url={}",
+        server.server_url(),
+        grpc_url.replace('+', "%2B").replace(':', "%3A").replace('/', "%2F")
+    );
     // It serves until the program ends.
     server.detach();
     Ok(url)
@@ -123,7 +124,8 @@ pub fn has_screen() -> bool {
 
 /// Version of the `rerun` program in the path, if there is one.
 fn native_version() -> Option<String> {
-    let output = Command::new("rerun").arg("--version").stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;
+    let output =
+        Command::new("rerun").arg("--version").stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;
     version_in(&String::from_utf8_lossy(&output.stdout))
 }
 
@@ -157,7 +159,8 @@ mod tests {
 
     #[test]
     fn the_version_is_read_from_the_programs_own_line() {
-        let line = "rerun-cli 0.36.3 (base map_view) [rustc 1.95.0] x86_64-unknown-linux-gnu, built 2026-08-24";
+        let line =
+            "rerun-cli 0.36.3 (base map_view) [rustc 1.95.0] x86_64-unknown-linux-gnu, built 2026-08-24";
         assert_eq!(version_in(line).as_deref(), Some(RERUN_VERSION));
         assert_eq!(version_in("GNU rerun"), None);
     }

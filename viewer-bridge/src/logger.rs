@@ -5,7 +5,6 @@
 use crate::recording::Recording;
 use crate::slot::Slot;
 use crate::view::View;
-use rerun::{RecordingStream, RecordingStreamResult};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
@@ -25,16 +24,15 @@ pub struct Logger {
 }
 
 impl Logger {
-    /// Starts to draw into `stream`, at about `frames_per_second` at most.
-    pub fn start(name: &'static str, stream: RecordingStream, frames_per_second: u32) -> std::io::Result<Self> {
+    /// Starts to draw into `recording`, at about `frames_per_second` at most.
+    pub fn start(name: &'static str, recording: Recording, frames_per_second: u32) -> std::io::Result<Self> {
         let slot = Arc::<Slot>::default();
         let (finished, done) = channel();
         let period = Duration::from_secs(1) / frames_per_second.max(1);
         let inlet = slot.clone();
         std::thread::Builder::new().name(format!("rerun-{name}")).spawn(move || {
-            if let Err(fault) = draw(stream.clone(), &slot, period.mul_f64(1.0 - EARLY), name) {
-                tracing::error!("the {name} recording ends early: {fault}");
-            }
+            let stream = recording.stream().clone();
+            draw(recording, &slot, period.mul_f64(1.0 - EARLY), name);
             if let Err(fault) = stream.flush_with_timeout(FLUSH_PATIENCE) {
                 tracing::error!("the {name} recording is incomplete: {fault}");
             }
@@ -56,20 +54,27 @@ impl Logger {
         self.slot.close();
         let written = self.done.recv_timeout(FLUSH_PATIENCE).is_ok();
         if !written {
-            tracing::warn!("the {} recording did not end within {FLUSH_PATIENCE:?} and is left as it is", self.name);
+            tracing::warn!(
+                "the {} recording did not end within {FLUSH_PATIENCE:?} and is left as it is",
+                self.name
+            );
         }
         let counts = self.slot.counts();
         tracing::info!(
             "{}: {} states received, {} shown, {} dropped; {} hits dropped",
-            self.name, counts.received, counts.shown, counts.dropped, counts.hits_dropped
+            self.name,
+            counts.received,
+            counts.shown,
+            counts.dropped,
+            counts.hits_dropped
         );
         written
     }
 }
 
 /// Draws until the slot is closed and empty. A row that fails is lost, the next may not be.
-fn draw(stream: RecordingStream, slot: &Slot, period: Duration, name: &str) -> RecordingStreamResult<()> {
-    let mut view = View::new(Recording::new(stream))?;
+fn draw(recording: Recording, slot: &Slot, period: Duration, name: &str) {
+    let mut view = View::new(recording);
     let mut failures: u64 = 0;
     while let Some(news) = slot.take(Duration::from_secs(1)) {
         let began = Instant::now();
@@ -84,5 +89,4 @@ fn draw(stream: RecordingStream, slot: &Slot, period: Duration, name: &str) -> R
     if failures > TOLD_FAILURES {
         tracing::warn!("{failures} frames of the {name} recording are incomplete");
     }
-    Ok(())
 }

@@ -66,8 +66,11 @@ fn run(arguments: Arguments) -> Result<()> {
     };
     process::on_signal(options.abort.clone(), || {})?;
 
-    let bridge =
-        Bridge::start(&Options { live: !arguments.no_viewer, save: arguments.save, frames_per_second: arguments.fps })?;
+    let bridge = Bridge::start(&Options {
+        live: !arguments.no_viewer,
+        save: arguments.save,
+        frames_per_second: arguments.fps,
+    })?;
     if let Some(live) = bridge.live() {
         live.announce();
     }

@@ -3,11 +3,16 @@
 use rerun::Color;
 
 /// Stops from the lowest to the highest floor: deep water, sage, sand, clay.
-const HEIGHTS: [[f64; 3]; 5] =
-    [[22.0, 52.0, 84.0], [40.0, 106.0, 122.0], [134.0, 166.0, 148.0], [226.0, 208.0, 164.0], [214.0, 138.0, 92.0]];
+const HEIGHTS: [[f64; 3]; 5] = [
+    [22.0, 52.0, 84.0],
+    [40.0, 106.0, 122.0],
+    [134.0, 166.0, 148.0],
+    [226.0, 208.0, 164.0],
+    [214.0, 138.0, 92.0],
+];
 
-/// Lines on the floor.
-pub const GRID: [u8; 4] = [16, 34, 50, 90];
+/// Lines on the floor; lines are never seen through, so this lies between the floor's colours.
+pub const GRID: [u8; 3] = [112, 128, 124];
 /// Walls, seen through.
 pub const WALL: [u8; 4] = [170, 190, 215, 26];
 /// What marks the player's ball.

@@ -1,7 +1,7 @@
 //! Numbers over time: energy, hits, tick time, speed, and what the bridge itself received, showed and dropped.
 
-use crate::slot::Counts;
 use crate::recording::Recording;
+use crate::slot::Counts;
 use protocol::snapshot::{Collisions, Snapshot};
 use protocol::stats::Stats;
 use rerun::{RecordingStreamResult, Scalars, SeriesLines};
@@ -42,7 +42,10 @@ impl Plots {
             (HITS, &[("ball-ball / s", 0xE45C_5CFF), ("ball-wall / s", 0x5C9E_E4FF)]),
             (TICK_TIME, &[("median ms", 0x6FCF_7FFF), ("99 % ms", 0xF2C1_4EFF), ("max ms", 0xE45C_5CFF)]),
             (SPEED, &[("reached", 0x5CD6_C0FF), ("wanted", 0x9090_90FF)]),
-            (BRIDGE, &[("received / s", 0x5C9E_E4FF), ("shown / s", 0x6FCF_7FFF), ("dropped / s", 0xE45C_5CFF)]),
+            (
+                BRIDGE,
+                &[("received / s", 0x5C9E_E4FF), ("shown / s", 0x6FCF_7FFF), ("dropped / s", 0xE45C_5CFF)],
+            ),
         ];
         for (path, series) in lines {
             let looks = SeriesLines::new()
@@ -60,7 +63,12 @@ impl Plots {
     }
 
     /// Logs what a state tells, ten times a second.
-    pub fn log_state(&mut self, rec: &Recording, state: &Snapshot, counts: Counts) -> RecordingStreamResult<()> {
+    pub fn log_state(
+        &mut self,
+        rec: &Recording,
+        state: &Snapshot,
+        counts: Counts,
+    ) -> RecordingStreamResult<()> {
         let first = *self.first_energy_j.get_or_insert(state.energy_j);
         if self.logged_ns.is_some_and(|last| state.wall_ns.abs_diff(last) < LOG_EVERY_NS) {
             return Ok(());
@@ -85,7 +93,9 @@ impl Plots {
     /// Hits per simulated second over the last [`HIT_WINDOW_S`]; None while time stands.
     fn hit_rates(&mut self, state: &Snapshot) -> Option<[f64; 2]> {
         self.hits.push_back((state.time_s, state.collisions));
-        let outside = |sample: Option<&(f64, Collisions)>| sample.is_some_and(|(t, _)| state.time_s - t >= HIT_WINDOW_S);
+        let outside = |sample: Option<&(f64, Collisions)>| {
+            sample.is_some_and(|(t, _)| state.time_s - t >= HIT_WINDOW_S)
+        };
         while self.hits.len() > MAX_SAMPLES || outside(self.hits.get(1)) {
             self.hits.pop_front();
         }
@@ -106,8 +116,12 @@ impl Plots {
             return Ok(());
         }
         self.counts = Some((wall_ns, now));
-        let rates = [now.received - then.received, now.shown - then.shown, now.dropped - then.dropped];
-        rec.log(BRIDGE, &Scalars::new(rates.map(|count| count as f64 / span)))
+        let rate = |now: u64, then: u64| now.saturating_sub(then) as f64 / span;
+        let received = rate(now.received, then.received);
+        rec.log(
+            BRIDGE,
+            &Scalars::new([received, rate(now.shown, then.shown), rate(now.dropped, then.dropped)]),
+        )
     }
 }
 
@@ -116,7 +130,11 @@ mod tests {
     use super::*;
 
     fn state(time_s: f64, ball_ball: u64) -> Snapshot {
-        Snapshot { time_s, collisions: Collisions { ball_ball, ball_wall: 2 * ball_ball }, ..Snapshot::default() }
+        Snapshot {
+            time_s,
+            collisions: Collisions { ball_ball, ball_wall: 2 * ball_ball },
+            ..Snapshot::default()
+        }
     }
 
     #[test]
@@ -129,7 +147,7 @@ mod tests {
         }
         assert!(plots.hits.len() <= 12);
         // The clock stands: the samples stay bounded.
-        (0..5000).for_each(|_| drop(plots.hit_rates(&state(4.0, 120))));
+        (0..5000).for_each(|_| assert!(plots.hit_rates(&state(4.0, 120)).is_some()));
         assert!(plots.hits.len() <= MAX_SAMPLES);
     }
 }

@@ -1,7 +1,10 @@
 //! One Rerun stream and where it stands in time.
 
 use protocol::snapshot::Snapshot;
-use rerun::external::re_sdk_types::AsComponents;
+use rerun::AsComponents;
+use rerun::external::re_log_types::BlueprintActivationCommand;
+use rerun::log::LogMsg;
+use rerun::sink::LogSink;
 use rerun::{EntityPath, RecordingStream, RecordingStreamResult};
 
 /// Ticks since the epoch began; starts over with an epoch.
@@ -31,6 +34,8 @@ impl From<&Snapshot> for Moment {
 /// A Rerun stream that is logged to from one thread only: Rerun keeps the time per thread.
 pub struct Recording {
     stream: RecordingStream,
+    /// Where the stream will go once there is a layout.
+    waiting: Option<Box<dyn LogSink>>,
 }
 
 impl Recording {
@@ -38,7 +43,25 @@ impl Recording {
     /// is neither the server's time nor repeatable.
     pub fn new(stream: RecordingStream) -> Self {
         stream.set_log_time_enabled(false);
-        Self { stream }
+        Self { stream, waiting: None }
+    }
+
+    /// Takes a buffered stream over that goes into `sink` as soon as there is a layout.
+    ///
+    /// A viewer that hears of a recording before its default layout makes up one of its own, and keeps that.
+    pub fn into_sink(stream: RecordingStream, sink: Box<dyn LogSink>) -> Self {
+        Self { waiting: Some(sink), ..Self::new(stream) }
+    }
+
+    /// Sends a layout; the first comes before everything else.
+    pub fn send_layout(&mut self, messages: Vec<LogMsg>, activation: BlueprintActivationCommand) {
+        let Some(sink) = self.waiting.take() else {
+            self.stream.send_blueprint(messages, activation);
+            return;
+        };
+        messages.into_iter().for_each(|message| sink.send(message));
+        sink.send(activation.into());
+        self.stream.set_sink(sink);
     }
 
     /// The stream itself, for what concerns the whole of it.
@@ -50,7 +73,8 @@ impl Recording {
     pub fn at(&self, moment: Moment) {
         self.stream.set_time_sequence(TICK, i64::try_from(moment.tick).unwrap_or(i64::MAX));
         self.stream.set_duration_secs(SIM_TIME, moment.time_s);
-        self.stream.set_timestamp_nanos_since_epoch(WALL_TIME, i64::try_from(moment.wall_ns).unwrap_or(i64::MAX));
+        self.stream
+            .set_timestamp_nanos_since_epoch(WALL_TIME, i64::try_from(moment.wall_ns).unwrap_or(i64::MAX));
     }
 
     /// Logs at the current moment.
@@ -59,7 +83,11 @@ impl Recording {
     }
 
     /// Logs for all time. Servers keep every static row for late viewers, so this is for what changes with a scene.
-    pub fn log_static(&self, path: impl Into<EntityPath>, what: &impl AsComponents) -> RecordingStreamResult<()> {
+    pub fn log_static(
+        &self,
+        path: impl Into<EntityPath>,
+        what: &impl AsComponents,
+    ) -> RecordingStreamResult<()> {
         self.stream.log_static(path, what)
     }
 }

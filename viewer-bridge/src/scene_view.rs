@@ -126,7 +126,7 @@ impl SceneView {
         let along_u = (0..=along).map(|j| line(&|t| [t, place(j, along)]));
         LineStrips3D::new(along_v.chain(along_u))
             .with_radii([Radius::new_ui_points(0.5)])
-            .with_colors([palette::translucent(palette::GRID)])
+            .with_colors([palette::color(palette::GRID)])
     }
 
     fn boxes(&self) -> Boxes3D {
@@ -167,10 +167,18 @@ fn walls(scene: &Scene, floor: [[f64; 2]; 2], standing: [f64; 2]) -> Vec<Wall> {
     let thickness = 0.004 * (floor[0][1] - floor[0][0]).max(floor[1][1] - floor[1][0]);
     let room = bounds.unwrap_or(floor);
     let [[west, east], [south, north]] = room;
-    let sides = [([west, 0.0], [1.0, 0.0]), ([east, 0.0], [-1.0, 0.0]), ([0.0, south], [0.0, 1.0]), ([0.0, north], [0.0, -1.0])]
-        .map(|(point_m, normal)| WallPlane { point_m, normal });
+    let sides = [
+        ([west, 0.0], [1.0, 0.0]),
+        ([east, 0.0], [-1.0, 0.0]),
+        ([0.0, south], [0.0, 1.0]),
+        ([0.0, north], [0.0, -1.0]),
+    ]
+    .map(|(point_m, normal)| WallPlane { point_m, normal });
     let sides = sides.into_iter().filter(|_| bounds.is_some());
-    sides.chain(named.planes.iter().copied()).filter_map(|plane| slab(plane, room, standing, thickness)).collect()
+    sides
+        .chain(named.planes.iter().copied())
+        .filter_map(|plane| slab(plane, room, standing, thickness))
+        .collect()
 }
 
 /// The part of a plane inside the room, as a slab whose face is the plane.
@@ -231,7 +239,10 @@ mod tests {
 
     #[test]
     fn a_plane_outside_the_room_is_not_drawn() {
-        assert_eq!(slab(WallPlane { point_m: [11.0, 0.0], normal: [-1.0, 0.0] }, ROOM, [0.0, 1.0], 0.1), None);
+        assert_eq!(
+            slab(WallPlane { point_m: [11.0, 0.0], normal: [-1.0, 0.0] }, ROOM, [0.0, 1.0], 0.1),
+            None
+        );
     }
 
     #[test]

@@ -121,7 +121,8 @@ fn evenly([from, to]: [f64; 2], index: usize, count: usize) -> f64 {
 /// Scene files write rows along v; the net is indexed `[i][j]` with i along u.
 fn transposed<T>(rows: &[Vec<T>], point: impl Fn(usize, usize, &T) -> Point) -> Vec<Vec<Point>> {
     let across = rows.first().map_or(0, Vec::len);
-    let row = |i: usize| rows.iter().enumerate().filter_map(|(j, row)| Some(point(i, j, row.get(i)?))).collect();
+    let row =
+        |i: usize| rows.iter().enumerate().filter_map(|(j, row)| Some(point(i, j, row.get(i)?))).collect();
     (0..across).map(row).collect()
 }
 
@@ -262,7 +263,11 @@ mod tests {
 
     #[test]
     fn a_polynomial_floor_is_met_exactly_with_its_normal() {
-        let terms = vec![Term { px: 2, py: 0, c: 0.1 }, Term { px: 1, py: 3, c: -0.02 }, Term { px: 0, py: 0, c: 1.0 }];
+        let terms = vec![
+            Term { px: 2, py: 0, c: 0.1 },
+            Term { px: 1, py: 3, c: -0.02 },
+            Term { px: 0, py: 0, c: 1.0 },
+        ];
         let surface = Surface::of(&Floor::Polynomial { x_m: [-3.0, 5.0], y_m: [1.0, 2.0], terms }).unwrap();
         for (u, v) in [(0.0, 0.0), (0.3, 0.8), (1.0, 1.0)] {
             let (point, normal) = surface.frame(u, v);
@@ -290,13 +295,16 @@ mod tests {
 
     #[test]
     fn a_plane_has_no_second_derivative() {
-        let plane = Surface::of(&Floor::Polynomial { x_m: [0.0, 1.0], y_m: [0.0, 1.0], terms: vec![] }).unwrap();
+        let plane =
+            Surface::of(&Floor::Polynomial { x_m: [0.0, 1.0], y_m: [0.0, 1.0], terms: vec![] }).unwrap();
         assert_eq!(plane.second_derivative_bounds(), [0.0; 3]);
     }
 
     #[test]
     fn a_ragged_net_is_refused() {
         let rows = vec![vec![0.0, 0.0], vec![0.0]];
-        assert!(Surface::of(&Floor::Grid { x_m: [0.0, 1.0], y_m: [0.0, 1.0], control_heights_m: rows }).is_err());
+        assert!(
+            Surface::of(&Floor::Grid { x_m: [0.0, 1.0], y_m: [0.0, 1.0], control_heights_m: rows }).is_err()
+        );
     }
 }

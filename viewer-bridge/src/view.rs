@@ -2,11 +2,11 @@
 
 use crate::ball_view::{BallView, Ring};
 use crate::blueprint;
-use crate::slot::News;
 use crate::hit_view::HitView;
 use crate::plots::Plots;
 use crate::recording::{Moment, Recording};
 use crate::scene_view::SceneView;
+use crate::slot::News;
 use crate::trail_view::TrailView;
 use protocol::scene::Scene;
 use protocol::snapshot::{Roster, Snapshot, World};
@@ -41,11 +41,18 @@ struct Drawn {
 
 impl View {
     /// Starts to draw into a recording.
-    pub fn new(rec: Recording) -> RecordingStreamResult<Self> {
-        Plots::log_names(&rec)?;
+    pub fn new(rec: Recording) -> Self {
         let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
         let moment = Moment { wall_ns: now.as_nanos() as u64, ..Moment::default() };
-        Ok(Self { rec, drawn: None, epoch: 0, plots: Plots::default(), moment, ahead_ns: 0, set_at: Instant::now() })
+        Self {
+            rec,
+            drawn: None,
+            epoch: 0,
+            plots: Plots::default(),
+            moment,
+            ahead_ns: 0,
+            set_at: Instant::now(),
+        }
     }
 
     /// The recording it draws into.
@@ -103,14 +110,18 @@ impl View {
             Ok(floor) => floor,
             Err(fault) => return self.note(true, &fault.to_string()),
         };
+        blueprint::send(&mut self.rec, floor.extent())?;
+        Plots::log_names(&self.rec)?;
         floor.log(&self.rec)?;
         let balls = BallView::of(&world.roster);
         balls.log_roster(&self.rec, &world.roster, stale)?;
-        blueprint::send(&self.rec, floor.extent())?;
         let plan = floor.tessellation();
         let (triangles, sagitta) = (plan.triangles(), plan.sagitta_m * 1e3);
         let text = format!("floor drawn with {triangles} triangles, within {sagitta:.3} mm of the surface");
-        self.note(plan.bounded, &if plan.bounded { text + " (coarser than wanted: too many triangles)" } else { text })?;
+        self.note(
+            plan.bounded,
+            &if plan.bounded { text + " (coarser than wanted: too many triangles)" } else { text },
+        )?;
         self.drawn = Some(Drawn {
             scene: world.scene.clone(),
             roster: world.roster.clone(),
@@ -213,7 +224,7 @@ mod tests {
     /// Two epochs of `ticks` each, with hits and statistics on the way.
     fn ride(path: &Path, ticks: u64) {
         let stream = RecordingStreamBuilder::new("ballroom_test").save(path).unwrap();
-        let mut view = View::new(Recording::new(stream)).unwrap();
+        let mut view = View::new(Recording::new(stream));
         let mut world = testing::original();
         for epoch in 1..=2 {
             world.snapshot.epoch = epoch;
@@ -224,8 +235,9 @@ mod tests {
                 state.epoch = epoch;
                 state.wall_ns += epoch * 60_000_000_000;
                 let mut news = news(state);
-                news.counts = Counts { received: tick, shown: tick, ..Counts::default() };
-                if tick % 25 == 0 {
+                let count = tick + (epoch - 1) * ticks;
+                news.counts = Counts { received: count, shown: count, ..Counts::default() };
+                if tick % 25 == 0 || tick == 235 {
                     news.hits.push(Event {
                         epoch,
                         sequence: tick,
@@ -238,7 +250,12 @@ mod tests {
                 }
                 if tick % 60 == 0 {
                     let tick_micros = [40.0, 90.0, 300.0 + tick as f64];
-                    news.stats = Some(Stats { tick_micros, real_time_factor: 1.0, speed_factor: 1.0, ..Stats::default() });
+                    news.stats = Some(Stats {
+                        tick_micros,
+                        real_time_factor: 1.0,
+                        speed_factor: 1.0,
+                        ..Stats::default()
+                    });
                 }
                 view.show(&news).unwrap();
             }
@@ -252,7 +269,9 @@ mod tests {
         let path = directory.path().join("ride.rrd");
         let ticks = 240;
         ride(&path, ticks);
-        if let Some(p) = std::env::var_os("KEEP_RRD") { std::fs::copy(&path, p).unwrap(); }
+        if let Some(p) = std::env::var_os("KEEP_RRD") {
+            std::fs::copy(&path, p).unwrap();
+        }
         let entities = read_back(&path);
         for once in [scene_view::FLOOR, scene_view::FLOOR_LINES, scene_view::WALLS] {
             assert_eq!(rows(&entities, once), 1, "{once}: an unchanged scene is logged once");
@@ -272,7 +291,11 @@ mod tests {
         for chunk in entities.values().flatten().filter(|chunk| !chunk.is_static()) {
             if chunk.entity_path().to_string().starts_with("/world") {
                 for timeline in [TICK, SIM_TIME, WALL_TIME] {
-                    assert!(chunk.timelines().contains_key(&timeline.into()), "{} lacks {timeline}", chunk.entity_path());
+                    assert!(
+                        chunk.timelines().contains_key(&timeline.into()),
+                        "{} lacks {timeline}",
+                        chunk.entity_path()
+                    );
                 }
                 assert!(chunk.timelines()[&WALL_TIME.into()].is_sorted(), "wall time goes back");
             }
@@ -282,7 +305,7 @@ mod tests {
     #[test]
     fn states_of_an_unknown_epoch_or_of_another_roster_are_not_drawn() {
         let (rec, storage) = testing::recording();
-        let mut view = View::new(rec).unwrap();
+        let mut view = View::new(rec);
         let world = testing::original();
         view.show(&News { world: Some(Arc::new(world.clone())), ..News::default() }).unwrap();
         view.recording().stream().flush_blocking().unwrap();
@@ -300,7 +323,7 @@ mod tests {
     #[test]
     fn another_scene_replaces_the_drawn_one() {
         let (rec, storage) = testing::recording();
-        let mut view = View::new(rec).unwrap();
+        let mut view = View::new(rec);
         let mut world = testing::original();
         view.show(&News { world: Some(Arc::new(world.clone())), ..News::default() }).unwrap();
         world.snapshot.epoch = 2;
@@ -309,7 +332,9 @@ mod tests {
         view.show(&News { world: Some(Arc::new(world)), ..News::default() }).unwrap();
         view.recording().stream().flush_blocking().unwrap();
         let chunks = storage.take().into_iter().filter_map(|message| match message {
-            LogMsg::ArrowMsg(store, arrow) if store.is_recording() => Some(Chunk::from_arrow_msg(&arrow).unwrap()),
+            LogMsg::ArrowMsg(store, arrow) if store.is_recording() => {
+                Some(Chunk::from_arrow_msg(&arrow).unwrap())
+            }
             _ => None,
         });
         let mut static_rows: BTreeMap<String, usize> = BTreeMap::new();
@@ -317,7 +342,8 @@ mod tests {
             *static_rows.entry(chunk.entity_path().to_string()).or_default() += chunk.num_rows();
         }
         // One group now; the meshes of the two others are replaced by empty ones.
-        let groups: Vec<usize> = (0..3).map(|group| static_rows[&format!("/{}/{group}", ball_view::BALLS)]).collect();
+        let groups: Vec<usize> =
+            (0..3).map(|group| static_rows[&format!("/{}/{group}", ball_view::BALLS)]).collect();
         assert_eq!(groups, [2, 2, 2]);
         assert_eq!(static_rows[&format!("/{}", scene_view::FLOOR)], 2);
     }
@@ -325,7 +351,7 @@ mod tests {
     #[test]
     fn wall_time_goes_on_with_another_servers_clock_an_hour_behind() {
         let (rec, _storage) = testing::recording();
-        let mut view = View::new(rec).unwrap();
+        let mut view = View::new(rec);
         let mut world = testing::original();
         view.show(&News { world: Some(Arc::new(world.clone())), ..News::default() }).unwrap();
         let before = view.moment.wall_ns;

@@ -18,7 +18,8 @@ use viewer_bridge::demo::status::Status;
 use viewer_bridge::process;
 use viewer_bridge::slot::Slot;
 
-const KEYS: &str = "arrows drive your ball, space pauses, . steps, r resets, + and - change the speed, q quits";
+const KEYS: &str =
+    "arrows drive your ball, space pauses, . steps, r resets, + and - change the speed, q quits";
 const EXAMPLES: &str = "\
 Keys: arrows drive your ball, space pauses, . steps, r resets, + and - change the speed, q quits.
 
@@ -84,7 +85,8 @@ fn run(arguments: &Arguments) -> Result<()> {
     process::on_signal(abort.clone(), screen::restore)?;
 
     let scene = SceneText::open(&arguments.scene)?;
-    let arena = Arena::start(&scene, &ArenaOptions { tick_rate_hz: arguments.rate, ..ArenaOptions::default() })?;
+    let arena =
+        Arena::start(&scene, &ArenaOptions { tick_rate_hz: arguments.rate, ..ArenaOptions::default() })?;
     tracing::info!("scene {} at {} Hz on {}", arguments.scene, arguments.rate, arena.endpoint());
     let bridge = Bridge::start(&Options {
         live: !arguments.no_viewer,
@@ -118,7 +120,12 @@ fn join(arguments: &Arguments, abort: &Abort, arena: &ArenaHandle, bridge: &Brid
     if let Some(live) = bridge.live() {
         live.announce();
     }
-    let table = Table { abort: abort.clone(), arena, slot: own, deadline: arguments.duration.map(|d| Instant::now() + d) };
+    let table = Table {
+        abort: abort.clone(),
+        arena,
+        slot: own,
+        deadline: arguments.duration.map(|d| Instant::now() + d),
+    };
     let result = match RawMode::enter().context("cannot take the terminal over")? {
         Some(terminal) => table.play(&terminal, Pilot::new(client, "keyboard".parse()?)?, bridge),
         None => table.watch(),
@@ -181,7 +188,8 @@ impl Table<'_> {
     }
 
     fn or_deadline(&self) -> String {
-        let left = self.deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()).as_secs_f64());
+        let left =
+            self.deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()).as_secs_f64());
         left.map_or(String::new(), |left| format!(", or for {left:.0} s"))
     }
 

@@ -53,7 +53,8 @@ impl Pilot {
             Wish::Step => self.ask(Command::Step { ticks: 1 }),
             Wish::Faster | Wish::Slower => {
                 let known = self.speed.filter(|(_, at)| at.elapsed() < SPEED_MEMORY);
-                let factor = neighbour(known.map_or(speed_factor, |(factor, _)| factor), wish == Wish::Faster);
+                let factor =
+                    neighbour(known.map_or(speed_factor, |(factor, _)| factor), wish == Wish::Faster);
                 self.speed = Some((factor, Instant::now()));
                 self.ask(Command::Speed { factor });
             }

@@ -36,7 +36,8 @@ impl RawMode {
         screen.raw = true;
         // Some terminals do not answer the question; then a press is all there is.
         screen.releases = cfg!(windows) || terminal::supports_keyboard_enhancement().unwrap_or(false);
-        let flags = KeyboardEnhancementFlags::DISAMBIGUATE_ESCAPE_CODES | KeyboardEnhancementFlags::REPORT_EVENT_TYPES;
+        let flags = KeyboardEnhancementFlags::DISAMBIGUATE_ESCAPE_CODES
+            | KeyboardEnhancementFlags::REPORT_EVENT_TYPES;
         if screen.releases && !cfg!(windows) {
             execute!(io::stderr(), PushKeyboardEnhancementFlags(flags))?;
         }
