@@ -5,6 +5,7 @@ use rerun::{Color, Mesh3D};
 use std::f32::consts::{PI, TAU};
 
 const WHITE: [u8; 3] = [245, 243, 236];
+const NIGHT: [u8; 3] = [36, 38, 50];
 
 /// Latitude bands and longitude sectors per stripe, for a number of balls: few are drawn round, many cheaply.
 pub const fn detail(balls: usize) -> [usize; 2] {
@@ -18,9 +19,9 @@ pub const fn detail(balls: usize) -> [usize; 2] {
 /// Stripes from pole to pole: an even number, every other one white.
 const STRIPES: usize = 6;
 
-/// The ball's mesh in `tint`; `marked` balls are striped with the player's colour instead of white.
+/// The ball's mesh in `tint`; `marked` balls are striped with night instead of white.
 pub fn mesh(tint: [u8; 3], marked: bool, [bands, sectors]: [usize; 2]) -> Mesh3D {
-    let other = if marked { palette::PLAYER } else { WHITE };
+    let other = if marked { NIGHT } else { WHITE };
     let (mut positions, mut colors, mut triangles) =
         (Vec::new(), Vec::<Color>::new(), Vec::<[u32; 3]>::new());
     for stripe in 0..STRIPES {

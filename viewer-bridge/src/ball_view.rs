@@ -129,7 +129,7 @@ impl BallView {
         rec.log(PLAYERS, &marks)?;
         let above = self.players.iter().map(|ball| {
             let [x, y, z] = state.center_m[*ball].map(|x| x as f32);
-            [x, y, z + 1.6 * self.radii[*ball]]
+            [x, y, z + 1.9 * self.radii[*ball]]
         });
         let names = Points3D::new(above)
             .with_labels(self.names.iter().map(String::as_str))

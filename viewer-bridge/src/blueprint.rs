@@ -28,9 +28,9 @@ const PLOT_WINDOW_TICKS: i64 = 60 * PLOT_WINDOW_S;
 /// Direction from the middle of the box to the eye: from the south-east, well above the walls.
 const EYE_DIRECTION: [f64; 3] = [0.42, -0.80, 0.72];
 /// Distance of the eye in diagonals of the box: all of it is seen in a view that is a little wider than high.
-const EYE_DISTANCE: f64 = 0.97;
+const EYE_DISTANCE: f64 = 0.87;
 /// The eye looks in front of the middle by this part of the diagonal, for what is near takes up more of the view.
-const LOOK_NEARER: f64 = 0.06;
+const LOOK_NEARER: f64 = 0.075;
 const BACKGROUND: [u8; 3] = [20, 24, 32];
 
 /// Sends the default layout for a box of this extent.
@@ -50,8 +50,8 @@ fn layout() -> Blueprint {
         |name: &str, path: &str| -> ContainerLike { TimeSeriesView::new(name).with_origin(path).into() };
     let room = Spatial3DView::new("Ballroom").with_origin("world");
     let log = TextLogView::new("Log").with_origin(view::LOG);
-    let left = Vertical::new([room.into(), log.into()]).with_row_shares([6.0, 1.0]);
-    let server = [plot("Tick time [ms]", plots::TICK_TIME), plot("Speed [simulated s / s]", plots::SPEED)];
+    let left = Vertical::new([room.into(), log.into()]).with_row_shares([5.0, 1.0]);
+    let server = [plot("Tick time [ms]", plots::TICK_TIME), plot("Speed", plots::SPEED)];
     let right = Vertical::new([
         plot("Energy since the start, relative", plots::ENERGY),
         plot("Hits per simulated second", plots::HITS),

@@ -1,7 +1,7 @@
 //! What both programs owe the shell that runs them: logs on stderr, and an end that comes when asked for.
 
 use ballroom_client::Abort;
-use std::io;
+use std::io::{self, IsTerminal};
 use std::sync::mpsc::channel;
 use std::time::Duration;
 use tracing_subscriber::EnvFilter;
@@ -11,9 +11,10 @@ use tracing_subscriber::fmt::MakeWriter;
 pub const CLOSE_PATIENCE: Duration = Duration::from_secs(1);
 /// Exit code after a second signal, as a shell reports an interrupted program.
 const ENDED_AT_ONCE: i32 = 130;
-/// What is told when `RUST_LOG` says nothing: our own words, and others' worries.
-const DEFAULT_FILTER: &str = "warn,viewer_bridge=info,ballroom_viewer=info,ballroom_demo=info,ballroom_client=info,\
-                              server=info";
+/// What is told when `RUST_LOG` says nothing: our own words, and others' worries; Zenoh worries at every attempt to
+/// reach a server that is not there yet.
+const DEFAULT_FILTER: &str = "warn,zenoh=error,viewer_bridge=info,ballroom_viewer=info,ballroom_demo=info,\
+                              ballroom_client=info,server=info";
 
 /// Logs to stderr, as `RUST_LOG` says.
 pub fn log_to_stderr() {
@@ -23,7 +24,12 @@ pub fn log_to_stderr() {
 /// Logs to any writer, as `RUST_LOG` says.
 pub fn log_to(writer: impl for<'a> MakeWriter<'a> + Send + Sync + 'static) {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(DEFAULT_FILTER));
-    tracing_subscriber::fmt().with_env_filter(filter).with_target(false).with_writer(writer).init();
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_target(false)
+        .with_ansi(io::stderr().is_terminal())
+        .with_writer(writer)
+        .init();
 }
 
 /// Throws the switch at SIGINT, SIGTERM or SIGHUP. If it was thrown before, calls `last` and ends at once.

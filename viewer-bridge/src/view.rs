@@ -98,7 +98,10 @@ impl View {
             drawn.hits.clear(&self.rec)?;
             self.plots.clear();
             let balls = world.roster.names.len();
-            self.note(false, &format!("epoch {}: scene {}, {balls} balls", self.epoch, world.scene.name))?;
+            self.note(
+                false,
+                &format!("scene {} begins with {balls} balls (epoch {})", world.scene.name, self.epoch),
+            )?;
         }
         Ok(())
     }
@@ -269,9 +272,6 @@ mod tests {
         let path = directory.path().join("ride.rrd");
         let ticks = 240;
         ride(&path, ticks);
-        if let Some(p) = std::env::var_os("KEEP_RRD") {
-            std::fs::copy(&path, p).unwrap();
-        }
         let entities = read_back(&path);
         for once in [scene_view::FLOOR, scene_view::FLOOR_LINES, scene_view::WALLS] {
             assert_eq!(rows(&entities, once), 1, "{once}: an unchanged scene is logged once");

@@ -159,13 +159,13 @@ impl Table<'_> {
                 if wish == Wish::Quit {
                     return Ok(());
                 }
-                pilot.fulfil(wish, status.paused, status.speed_factor);
+                pilot.fulfil(wish, status.paused, status.speed_factor());
             }
             pilot.renew(keys.held());
             self.update(&mut status, Duration::ZERO);
             if drawn.elapsed() >= DRAW_EVERY {
                 drawn = Instant::now();
-                terminal.show(&(status.line() + &viewer))?;
+                terminal.show(&status.line(pilot.speed(status.speed_factor())), &viewer)?;
             }
         }
         Ok(())
@@ -180,10 +180,10 @@ impl Table<'_> {
             self.update(&mut status, DRAW_EVERY);
             if told.elapsed() >= LOG_EVERY {
                 told = Instant::now();
-                tracing::info!("{}", status.line());
+                tracing::info!("{}", status.line(status.speed_factor()));
             }
         }
-        tracing::info!("{}", status.line());
+        tracing::info!("{}", status.line(status.speed_factor()));
         Ok(())
     }
 

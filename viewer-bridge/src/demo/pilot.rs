@@ -62,6 +62,11 @@ impl Pilot {
         }
     }
 
+    /// The speed that was asked for last, or else the reported one.
+    pub fn speed(&self, reported: f64) -> f64 {
+        self.speed.filter(|(_, at)| at.elapsed() < SPEED_MEMORY).map_or(reported, |(factor, _)| factor)
+    }
+
     /// Renews a held force when it is time.
     pub fn renew(&mut self, held: Option<[f64; 2]>) {
         if held.is_some() && self.renewed.elapsed() >= RENEW_EVERY {

@@ -52,13 +52,17 @@ impl RawMode {
         lock().releases
     }
 
-    /// Shows a status line in place of the last one, cut to the terminal's width.
+    /// Shows a status line in place of the last one, cut to the terminal's width. The tail is shown if all of it
+    /// fits: half an address is none.
     #[expect(clippy::unused_self, reason = "there is a status line only while the terminal is taken over")]
-    pub fn show(&self, status: &str) -> io::Result<()> {
+    pub fn show(&self, status: &str, tail: &str) -> io::Result<()> {
         let width = terminal::size().map_or(80, |(columns, _)| usize::from(columns));
         let mut screen = lock();
         // A line as wide as the terminal wraps on some.
         screen.status = status.chars().take(width.saturating_sub(1)).collect();
+        if screen.status.chars().count() + tail.chars().count() < width {
+            screen.status.push_str(tail);
+        }
         screen.draw(b"")
     }
 }

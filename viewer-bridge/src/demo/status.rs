@@ -8,8 +8,7 @@ use protocol::snapshot::Collisions;
 pub struct Status {
     /// Whether the clock stands.
     pub paused: bool,
-    /// Simulated seconds wanted per wall second; 0 until the server has said.
-    pub speed_factor: f64,
+    speed_factor: Option<f64>,
     real_time_factor: Option<f64>,
     tick: u64,
     time_s: f64,
@@ -32,25 +31,29 @@ impl Status {
             (self.collisions, self.energy_j) = (state.collisions, state.energy_j);
         }
         if let Some(stats) = &news.stats {
-            self.speed_factor = stats.speed_factor;
+            self.speed_factor = Some(stats.speed_factor);
             self.real_time_factor = Some(stats.real_time_factor);
         }
     }
 
-    /// The line, without a viewer's address.
-    pub fn line(&self) -> String {
+    /// Simulated seconds wanted per wall second, as the server last said; arenas begin at 1.
+    pub fn speed_factor(&self) -> f64 {
+        self.speed_factor.unwrap_or(1.0)
+    }
+
+    /// The line, with the speed that is wanted, without a viewer's address.
+    pub fn line(&self, speed: f64) -> String {
         if !self.seen {
             return "waiting for the first state".into();
         }
-        let speed = if self.speed_factor > 0.0 { self.speed_factor } else { 1.0 };
         let state = if self.paused { "paused " } else { "running" };
         let reached = self.real_time_factor.map_or_else(|| "-".into(), |factor| format!("{factor:.2}"));
         let scale = if self.first_energy_j == 0.0 { 1.0 } else { self.first_energy_j.abs() };
         let energy = (self.energy_j - self.first_energy_j) / scale;
         let Collisions { ball_ball, ball_wall } = self.collisions;
         format!(
-            "{state} x{speed:<5} real-time factor {reached} | tick {} {:.1} s | hits: balls {ball_ball}, walls {ball_wall} \
-             | energy {energy:+.1e}",
+            "{state} x{speed:<4} reached {reached} | tick {} {:.1} s | hits: balls {ball_ball}, walls {ball_wall} \
+             | energy {energy:+.0e}",
             self.tick, self.time_s
         )
     }
@@ -73,11 +76,11 @@ mod tests {
         let mut status = Status::default();
         status.update(&state(1, 200.0));
         status.update(&state(1, 201.0));
-        let line = status.line();
-        for part in ["running", "x1 ", "tick 90 1.5 s", "balls 3, walls 8", "energy +5.0e-3"] {
+        let line = status.line(1.0);
+        for part in ["running", "x1 ", "tick 90 1.5 s", "balls 3, walls 8", "energy +5e-3"] {
             assert!(line.contains(part), "{part} in {line}");
         }
         status.update(&state(2, 100.0));
-        assert!(status.line().contains("energy +0.0e0"));
+        assert!(status.line(1.0).contains("energy +0e0"));
     }
 }
