@@ -17,18 +17,20 @@ pub const STEP_FIRST: f64 = 0.0625;
 /// a solution of order 8, and a margin of 1.5 that keeps acceptance likely.
 pub const GROWTH_OF_DOUBLING: f64 = 384.0;
 /// Part of the wanted error that the steps of one second may use up. The estimate is of lower order than the
-/// solution and overrates its error, so that the whole tolerance each second leaves a margin at 10 s.
-pub const ERROR_PER_SECOND: f64 = 1.0;
+/// solution and overrates its error, so that half the tolerance each second leaves a margin at 10 s.
+pub const ERROR_PER_SECOND: f64 = 0.5;
 
 /// Error one step of `h` seconds may have when `tolerance` metres are wanted, m.
 pub fn allowed_error(tolerance: f64, h: f64) -> f64 {
     ERROR_PER_SECOND * tolerance * h
 }
 
-/// Longest piece of a turn by quadrature on a plane, s.
-pub const TURN_STEP: f64 = QUANTUM;
-/// Most pieces of a turn; a parabola of a rolling ball under force is cut after so many.
-pub const TURN_STEPS_MAX: f64 = 64.0;
+/// Angle of one piece of a turn, rad: Magnus' remainder is then below 1e-9 for a ball on any usual path.
+pub const TURN_ANGLE: f64 = 1.0;
+/// Most pieces of one turn: a ball that spins at 2000 rad/s for a second.
+pub const TURN_PIECES_MAX: f64 = 4096.0;
+/// Longest parabola of a rolling ball under force, s: its orientation is followed from the start.
+pub const TURN_MAX: f64 = 64.0 * QUANTUM;
 
 /// Centre travel in one detection window, in radii. More makes windows rarer and neighbours more; 2 is near
 /// the minimum for a gas that covers a fifth of the floor, and the minimum is flat.
@@ -41,9 +43,19 @@ pub const WINDOW_MIN: f64 = 1.0 / 1_099_511_627_776.0;
 /// Normal speed below which a hit is taken without rebound, m/s. It costs less than 1e-12 J/kg a hit; a larger
 /// one is felt in grazing hits, a smaller one lets bouncing balls hit without end.
 pub const REST_SPEED: f64 = 1e-6;
-/// Slow hits of one ball within a quantum before it is held until the quantum ends. Honest sequences of slow
-/// hits are shorter; a pile makes any number.
+/// Slow hits of one ball within a quantum before something must give: it is held until the quantum ends, or
+/// hops. Honest sequences of slow hits are shorter; a pile makes any number.
 pub const REST_HITS_MAX: u32 = 16;
+/// Speed up to which a ball in a pile is held, m/s: what it loses then is less than 1e-4 J/kg. A faster one
+/// keeps its motion and hops.
+pub const HOLD_SPEED: f64 = 1e-2;
+/// Speed at which a hop parts two bodies pressed together, m/s: 500 hits a second under 1 m/s^2, 5e-7 J/kg.
+pub const HOP_SPEED: f64 = 1e-3;
+/// Closing speed of a contact that is rounding, relative to the speeds it is the difference of.
+pub const CLOSING_NOISE: f64 = 4e-15;
+/// The same for bodies that have just come to rest beside faster ones, m/s: an impact of a metre a second
+/// leaves as much. Overlap grows by it no faster than 4e-11 m an hour.
+pub const CLOSING_NOISE_SPEED: f64 = 1e-14;
 /// Hits within one quantum before every further one counts as slow: a bound of work, not of time.
 pub const HITS_PER_QUANTUM_MAX: u64 = 1 << 26;
 
@@ -61,9 +73,11 @@ pub const POLISH: f64 = 1e-9;
 pub const POLISH_ROUNDS: u32 = 4;
 
 /// Contacts solved as one impact; more are solved one after the other in order of their ids.
-pub const CLUSTER_MAX: usize = 256;
-/// Reflections of a cluster per contact before it is projected instead.
-pub const REFLECTIONS_PER_CONTACT: usize = 200;
+pub const CLUSTER_MAX: usize = 128;
+/// Contacts solved as one slow impact: enough for a row of balls that settle together, few enough for a pile.
+pub const SLOW_CLUSTER_MAX: usize = 16;
+/// Reflections of a cluster before it is projected instead: a chain of n balls needs at most n^2/4.
+pub const REFLECTIONS_MAX: usize = 4096;
 /// Closing speed below which a contact of a cluster counts as satisfied, relative to the fastest ball.
 pub const CLUSTER_SATISFIED: f64 = 1e-14;
 

@@ -64,8 +64,11 @@ impl Controller {
     /// on as before, which is when `slope` is given.
     pub(super) fn relaunch(&mut self, ball: usize, time: Time, state: &State, slope: Option<&State>) {
         let arc = &self.arcs[ball];
-        self.report.negative_reaction += arc.negative_reaction(time.since(arc.start));
+        let dt = time.since(arc.start);
+        let orientation = arc.orientation_at(dt);
+        self.report.negative_reaction += arc.negative_reaction(dt);
         self.launch(ball, time, state, slope);
+        self.arcs[ball].orientation = orientation;
     }
 
     /// Puts a ball on a new arc.

@@ -4,11 +4,11 @@ use super::Controller;
 use crate::diagnostics::{Hit, HitPartner};
 use crate::motion::arc::Path;
 use crate::motion::law::{State, velocity};
-use crate::resolve::impact::{Contact, Member, resolve_cluster, resolve_one};
+use crate::resolve::impact::{Contact, Member, hop, resolve_cluster, resolve_one};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{
-    CLUSTER_MAX, HITS_KEPT, HITS_PER_QUANTUM_MAX, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
-    TOUCH_CURVED, TOUCH_ULPS,
+    CLUSTER_MAX, HITS_KEPT, HITS_PER_QUANTUM_MAX, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS,
+    REST_HITS_MAX, REST_SPEED, SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
 };
 use nalgebra::Vector3;
 
@@ -39,6 +39,8 @@ pub(super) struct Cluster {
     pairs: Vec<Pair>,
     contacts: Vec<Contact>,
     impulses: Vec<f64>,
+    /// Whether each member is to be held.
+    held: Vec<bool>,
     found: Vec<usize>,
 }
 
@@ -175,10 +177,12 @@ impl Controller {
                 }
             }
         }
-        self.gather(&mut cluster, time);
+        self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });
         cluster.before.clear();
         cluster.before.extend(cluster.members.iter().map(|m| m.velocity));
         let elastic = if slow { 0.0 } else { self.restitution };
+        cluster.held.clear();
+        cluster.held.resize(cluster.members.len(), false);
         cluster.impulses.clear();
         cluster.impulses.resize(cluster.contacts.len(), 0.0);
         if cluster.contacts.len() == 1 {
@@ -192,12 +196,15 @@ impl Controller {
             }
         }
         self.record(&cluster, time);
-        self.relaunch_moved(&mut cluster, time, slow);
+        if slow {
+            self.count_rest_hits(&mut cluster, time);
+        }
+        self.relaunch_moved(&mut cluster, time);
         self.work.cluster = cluster;
     }
 
-    /// Adds to the cluster every ball and wall that touches a member, and theirs.
-    fn gather(&self, cluster: &mut Cluster, time: Time) {
+    /// Adds to the cluster every ball and wall that touches a member, and theirs, up to `most` contacts.
+    fn gather(&self, cluster: &mut Cluster, time: Time, most: usize) {
         let mut place = 0;
         while place < cluster.landed.len() {
             let (ball, center) = (cluster.landed[place].ball, cluster.landed[place].center);
@@ -207,7 +214,7 @@ impl Controller {
                     cluster.pairs.iter().any(|p| p.ball == ball && p.partner == HitPartner::Wall(wall));
                 if !known
                     && plane.distance(&center) - radius <= self.touch(&center)
-                    && cluster.contacts.len() < CLUSTER_MAX
+                    && cluster.contacts.len() < most
                 {
                     cluster.contacts.push(Contact { a: place, b: None, line: -plane.normal });
                     cluster.pairs.push(Pair { ball, partner: HitPartner::Wall(wall) });
@@ -225,7 +232,9 @@ impl Controller {
             });
             found.sort_unstable();
             for other in &found {
-                self.join(cluster, place, *other, time);
+                if cluster.contacts.len() < most {
+                    self.join(cluster, place, *other, time);
+                }
             }
             cluster.found = found;
             place += 1;
@@ -236,7 +245,7 @@ impl Controller {
     fn join(&self, cluster: &mut Cluster, place: usize, other: usize, time: Time) {
         let (ball, center) = (cluster.landed[place].ball, cluster.landed[place].center);
         let known = cluster.landed.iter().position(|l| l.ball == other);
-        if known.is_some_and(|k| k < place) || cluster.contacts.len() >= CLUSTER_MAX {
+        if known.is_some_and(|k| k < place) {
             return;
         }
         let pair = Pair { ball: ball.min(other), partner: HitPartner::Ball(ball.max(other)) };
@@ -286,9 +295,8 @@ impl Controller {
         }
     }
 
-    /// Relaunches the two of the first contact and whoever else was moved, holds those whose slow hits pile up, and
-    /// looks ahead for all of them.
-    fn relaunch_moved(&mut self, cluster: &mut Cluster, time: Time, slow: bool) {
+    /// Relaunches the two of the first contact and whoever else was moved, and looks ahead for all of them.
+    fn relaunch_moved(&mut self, cluster: &mut Cluster, time: Time) {
         let hit = cluster.contacts[0];
         cluster.found.clear();
         for (place, member) in cluster.members.iter().enumerate() {
@@ -298,11 +306,12 @@ impl Controller {
             }
             let Landed { ball, mut state, .. } = cluster.landed[place];
             cluster.found.push(ball);
-            if self.arcs[ball].path == Path::Held && member.inverse_mass == 0.0 {
+            if member.inverse_mass == 0.0 {
+                // Held before, and still.
                 continue;
             }
             state[2..5].copy_from_slice(member.velocity.as_slice());
-            if first && slow && self.count_rest_hit(ball, time) {
+            if cluster.held[place] {
                 self.hold(ball, time, &state);
             } else {
                 self.relaunch(ball, time, &state, None);
@@ -313,21 +322,38 @@ impl Controller {
         }
     }
 
-    /// Counts a slow hit; true once the ball has had too many in this quantum.
-    fn count_rest_hit(&mut self, ball: usize, time: Time) -> bool {
-        let b = &mut self.balls[ball];
-        if b.rest_quantum != time.quantum() {
-            b.rest_quantum = time.quantum();
-            b.rest_hits = 0;
+    /// Counts a slow hit. Balls that had too many in this quantum are held if they are slow themselves; if one of
+    /// the two is fast, the pair hops, so that a pressed ball keeps its way and its momentum.
+    fn count_rest_hits(&mut self, cluster: &mut Cluster, time: Time) {
+        let mut too_many = false;
+        for landed in &cluster.landed {
+            let b = &mut self.balls[landed.ball];
+            if b.rest_quantum != time.quantum() {
+                b.rest_quantum = time.quantum();
+                b.rest_hits = 0;
+            }
+            b.rest_hits += 1;
+            too_many |= b.rest_hits > REST_HITS_MAX;
         }
-        b.rest_hits += 1;
-        b.rest_hits > REST_HITS_MAX
+        if !too_many {
+            return;
+        }
+        let hit = cluster.contacts[0];
+        let mut both = std::iter::once(hit.a).chain(hit.b);
+        if both.clone().all(|place| cluster.members[place].velocity.norm() <= HOLD_SPEED) {
+            both.by_ref().for_each(|place| cluster.held[place] = true);
+        } else {
+            self.report.fallbacks += 1;
+            hop(&mut cluster.members, &cluster.contacts[0], HOP_SPEED);
+        }
     }
 
     /// Lets a ball stand until the quantum ends. Its kinetic energy is lost; nothing is gained, nothing overlaps.
     fn hold(&mut self, ball: usize, time: Time, state: &State) {
         let arc = &mut self.arcs[ball];
-        self.report.negative_reaction += arc.negative_reaction(time.since(arc.start));
+        let dt = time.since(arc.start);
+        self.report.negative_reaction += arc.negative_reaction(dt);
+        arc.orientation = arc.orientation_at(dt);
         self.report.fallbacks += 1;
         let length = Time::of_quantum(time.quantum()).after(QUANTUM).since(time);
         let b = &mut self.balls[ball];

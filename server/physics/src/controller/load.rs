@@ -257,7 +257,6 @@ fn set_down(scene: &Scene, surface: &Surface, index: usize) -> Result<(Ball, Sta
     if rolls {
         state[5] = spec.spin * spec.radius;
     }
-    state[9] = 1.0;
     let try_s = match scene.accuracy {
         Accuracy::Tolerance(_) => tolerance::STEP_FIRST,
         Accuracy::Fixed(_, h) => h,

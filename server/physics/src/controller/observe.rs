@@ -1,7 +1,7 @@
 //! What a tick shows: states, energy, hash. Looking changes nothing.
 
 use super::{BallState, Controller};
-use crate::motion::law::velocity;
+use crate::motion::law::{angular_velocity, velocity};
 use crate::motion::rotation;
 use nalgebra::Vector2;
 
@@ -17,8 +17,7 @@ impl Controller {
             let w = velocity(&state);
             let [u, v] = self.surface.uv([state[0], state[1]]);
             let (omega, orientation) = if b.body.rolls {
-                let omega = (n * state[5] + n.cross(&w)) / b.body.radius;
-                (omega, [state[6], state[7], state[8], state[9]])
+                (angular_velocity(&n, &w, state[5], b.body.radius), arc.orientation_at(dt))
             } else {
                 let angle = b.free_omega * self.time.seconds();
                 (b.free_omega, rotation::of_rotation_vector(angle))
@@ -52,7 +51,11 @@ impl Controller {
             hash.time(b.window_end);
             hash.word(arc.path as u64);
             hash.number(arc.length);
-            arc.state.iter().chain(b.body.applied.iter()).for_each(|x| hash.number(*x));
+            arc.state
+                .iter()
+                .chain(&arc.orientation)
+                .chain(b.body.applied.iter())
+                .for_each(|x| hash.number(*x));
             hash.number(b.stepping.try_s);
             hash.word(u64::from(b.rest_hits) << 32 | u64::from(b.stamp));
             hash.word(b.rest_quantum as u64);

@@ -1,10 +1,9 @@
 //! What a ball will meet within its window: walls, other balls, or only the window's end.
 
-use super::{Ball, Controller};
+use super::Controller;
 use crate::detect::ball_ball::{self, Standing, surely_apart};
 use crate::detect::ball_wall;
 use crate::detect::broad_phase::swept_bounds;
-use crate::motion::arc::Arc;
 use crate::schedule::event::{Next, What};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{WINDOW_MAX, WINDOW_MIN, WINDOW_TRAVEL};
@@ -37,15 +36,24 @@ impl Controller {
         );
         self.broad_phase.file(ball, bounds);
         let Self { broad_phase, balls, arcs, queue, report, .. } = self;
+        let arc = &arcs[ball];
         broad_phase.neighbours(ball, |other| {
             report.pairs[0] += 1;
-            let Some(time) =
-                meeting((&balls[ball], &arcs[ball]), (&balls[other], &arcs[other]), from, &standing)
-            else {
+            let theirs = &arcs[other];
+            let begin = from.max(theirs.start);
+            let duration = balls[ball].window_end.min(balls[other].window_end).since(begin);
+            if duration <= 0.0 {
                 return;
-            };
+            }
+            let reach = balls[ball].body.radius + balls[other].body.radius;
+            let here = if begin == from { standing } else { Standing::of(arc, begin) };
+            let acceleration = arc.acceleration_bound + theirs.acceleration_bound;
+            if surely_apart(&here, &Standing::of(theirs, begin), acceleration, reach, duration) {
+                return;
+            }
             report.pairs[1] += 1;
-            let Some(time) = time else { return };
+            let Some(t) = ball_ball::time_of_impact(arc, theirs, begin, duration, reach) else { return };
+            let time = begin.after(t);
             let mine = Next { time, what: What::Ball { other: other as u32, stamp: balls[other].stamp } };
             if mine.key(id) < best.key(id) {
                 best = mine;
@@ -76,27 +84,4 @@ impl Controller {
             b.window_end = b.window_end.min(quantum);
         }
     }
-}
-
-/// When two balls meet within both their windows; the outer None means that they surely do not, by a bound.
-#[inline]
-fn meeting(
-    (b, arc): (&Ball, &Arc),
-    (other, their_arc): (&Ball, &Arc),
-    from: Time,
-    standing: &Standing,
-) -> Option<Option<Time>> {
-    let begin = from.max(their_arc.start);
-    let duration = b.window_end.min(other.window_end).since(begin);
-    if duration <= 0.0 {
-        return None;
-    }
-    let reach = b.body.radius + other.body.radius;
-    let here = if begin == from { *standing } else { Standing::of(arc, begin) };
-    let acceleration = arc.acceleration_bound + their_arc.acceleration_bound;
-    if surely_apart(&here, &Standing::of(their_arc, begin), acceleration, reach, duration) {
-        return None;
-    }
-    let t = ball_ball::time_of_impact(arc, their_arc, begin, duration, reach);
-    Some(t.map(|t| begin.after(t)))
 }

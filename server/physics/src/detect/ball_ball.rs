@@ -4,6 +4,7 @@ use super::root::{divide_by_x, first_descent, refine};
 use crate::motion::arc::{Arc, Path};
 use crate::motion::step::TERMS;
 use crate::schedule::time::Time;
+use crate::tolerance::{CLOSING_NOISE, CLOSING_NOISE_SPEED};
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -54,7 +55,9 @@ pub fn time_of_impact(a: &Arc, b: &Arc, from: Time, duration: f64, reach: f64) -
     let both_parabolas = a.path != Path::Curved && b.path != Path::Curved;
     if both_parabolas && a.center[2] / (a.scale * a.scale) == b.center[2] / (b.scale * b.scale) {
         let (a, b) = (Standing::of(a, from), Standing::of(b, from));
-        return straight(b.center - a.center, b.velocity - a.velocity, reach).filter(|t| *t <= duration);
+        let noise = closing_noise(a.velocity.norm() + b.velocity.norm(), 1.0);
+        return straight(b.center - a.center, b.velocity - a.velocity, noise, reach)
+            .filter(|t| *t <= duration);
     }
     let (pa, pb) = (window_polynomial(a, from, duration), window_polynomial(b, from, duration));
     let d: [V3; TERMS] = std::array::from_fn(|k| pb[k] - pa[k]);
@@ -73,7 +76,7 @@ pub fn time_of_impact(a: &Arc, b: &Arc, from: Time, duration: f64, reach: f64) -
     };
     let bracket = if f[0] > 0.0 {
         first_descent(&f)?
-    } else if d[0].dot(&d[1]) < 0.0 {
+    } else if d[0].dot(&d[1]) < -d[0].norm() * closing_noise(pa[1].norm() + pb[1].norm(), duration) {
         return Some(0.0);
     } else {
         // In contact and parting: the contact itself is a root to be divided out.
@@ -85,10 +88,15 @@ pub fn time_of_impact(a: &Arc, b: &Arc, from: Time, duration: f64, reach: f64) -
     Some(refine(bracket, evaluate) * duration)
 }
 
-/// Two balls in straight relative motion: the smaller root of |p + v t| = reach in its stable form.
-fn straight(p: V3, v: V3, reach: f64) -> Option<f64> {
+/// Closing speed that is rounding, times `duration`, for a sum of speeds times `duration`.
+fn closing_noise(path: f64, duration: f64) -> f64 {
+    CLOSING_NOISE * path + CLOSING_NOISE_SPEED * duration
+}
+
+/// Two balls in straight relative motion that close faster than `noise`: the smaller root of |p + v t| = reach in its stable form.
+fn straight(p: V3, v: V3, noise: f64, reach: f64) -> Option<f64> {
     let closing = -p.dot(&v);
-    if closing <= 0.0 {
+    if closing <= noise * p.norm() {
         return None;
     }
     let c = p.norm_squared() - reach * reach;
@@ -180,7 +188,8 @@ mod tests {
             let value: f64 = b
                 .iter()
                 .enumerate()
-                .map(|(i, c)| c * C14[i] * x.powi(i as i32) * (1.0 - x).powi(14 - i as i32))
+                .zip(0_i32..)
+                .map(|((i, c), k)| c * C14[i] * x.powi(k) * (1.0 - x).powi(14 - k))
                 .sum();
             assert!((value - point.norm_squared()).abs() < 1e-12 * (1.0 + value.abs()));
         }
@@ -192,7 +201,7 @@ mod tests {
         for exponent in [3, 6, 9, 12, 14, 15] {
             let epsilon = 10.0_f64.powi(-exponent);
             for (offset, hits) in [(reach * (1.0 - epsilon), true), (reach * (1.0 + epsilon), false)] {
-                let found = straight(V3::new(-1.0, offset, 0.0), V3::new(1.0, 0.0, 0.0), reach);
+                let found = straight(V3::new(-1.0, offset, 0.0), V3::new(1.0, 0.0, 0.0), 0.0, reach);
                 assert_eq!(found.is_some(), hits, "offset {offset:e}");
             }
         }

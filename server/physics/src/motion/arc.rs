@@ -9,8 +9,7 @@ use super::rotation;
 use super::step::{REACTION_AT, Step, TERMS};
 use crate::scene::Accuracy;
 use crate::schedule::time::Time;
-use crate::surface::chart::{Chart, Frame, Surface, with_chart};
-use crate::tolerance;
+use crate::surface::chart::Surface;
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -47,6 +46,10 @@ pub struct Arc {
     pub dense: [State; TERMS],
     /// State and slope at the end (curved arcs only).
     pub end: [State; 2],
+    /// Orientation at the start, ball to world: x, y, z, w.
+    pub orientation: [f64; 4],
+    /// Integral of the angular velocity in powers of theta, rad; zero when sliding.
+    pub turn: [V3; TERMS],
     /// Floor reaction per mass at [`REACTION_AT`] (curved arcs only), m/s^2.
     pub reaction: [f64; 3],
     /// Bound of the centre's acceleration, m/s^2.
@@ -66,6 +69,8 @@ impl Arc {
             center: [V3::new(0.0, 0.0, 0.0); TERMS],
             dense: [[0.0; ROLLING]; TERMS],
             end: [[0.0; ROLLING]; 2],
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            turn: [V3::new(0.0, 0.0, 0.0); TERMS],
             reaction: [0.0; 3],
             acceleration_bound: 0.0,
         }
@@ -107,7 +112,7 @@ impl Arc {
     /// The whole state `dt` seconds after the start, read from the arc: to look at, not to go on from.
     pub fn sample(&self, body: &Body, surface: &Surface, dt: f64) -> State {
         if self.path != Path::Curved {
-            return self.follow(body, surface, dt);
+            return self.follow(dt);
         }
         let theta = dt / self.scale;
         let mut out = self.dense[TERMS - 1];
@@ -126,7 +131,7 @@ impl Arc {
             Path::Curved if dt <= 0.0 => (self.state, self.slope),
             Path::Curved => body.land(surface, accuracy, &self.state, &self.slope, dt),
             Path::Parabola => {
-                let state = self.follow(body, surface, dt);
+                let state = self.follow(dt);
                 (state, body.slope(surface, &state))
             }
             Path::Held => (self.state, [0.0; ROLLING]),
@@ -134,7 +139,7 @@ impl Arc {
     }
 
     /// Exact state on a parabola, or of a held ball.
-    fn follow(&self, body: &Body, surface: &Surface, dt: f64) -> State {
+    fn follow(&self, dt: f64) -> State {
         let mut out = self.state;
         if self.path == Path::Held {
             return out;
@@ -145,35 +150,12 @@ impl Arc {
         out[1] += moved.y;
         let w = velocity(&self.state) + self.center[2] * (2.0 * theta / self.scale);
         out[2..5].copy_from_slice(w.as_slice());
-        if body.rolls {
-            self.turn(body, surface, dt, &mut out);
-        }
         out
     }
 
-    /// Orientation of a ball rolling on a plane: exact while the angular velocity keeps its direction, else by
-    /// Magnus steps of order 4 no longer than [`tolerance::TURN_STEP`].
-    fn turn(&self, body: &Body, surface: &Surface, dt: f64, out: &mut State) {
-        let n = with_chart!(&surface.kernel, chart => chart.frame([self.state[0], self.state[1]]).normal());
-        let rate = 1.0 / body.radius;
-        let w0 = velocity(&self.state);
-        let acceleration = self.center[2] * (2.0 / (self.scale * self.scale));
-        let omega = |t: f64| (n * self.state[5] + n.cross(&(w0 + acceleration * t))) * rate;
-        let growth = n.cross(&acceleration) * rate;
-        let mut q = [self.state[6], self.state[7], self.state[8], self.state[9]];
-        let pieces = if omega(0.0).cross(&growth).norm_squared() == 0.0 {
-            1
-        } else {
-            (dt.abs() / tolerance::TURN_STEP).ceil().clamp(1.0, tolerance::TURN_STEPS_MAX) as u32
-        };
-        let h = dt / f64::from(pieces);
-        for piece in 0..pieces {
-            let t = h * f64::from(piece);
-            // Magnus: the mean rate, and the commutator of a rate linear in time.
-            let angle = omega(t + 0.5 * h) * h + growth.cross(&omega(t)) * (h * h * h / 12.0);
-            q = rotation::compose(rotation::of_rotation_vector(angle), q);
-        }
-        out[6..].copy_from_slice(&rotation::unit(q));
+    /// Orientation `dt` seconds after the start.
+    pub fn orientation_at(&self, dt: f64) -> [f64; 4] {
+        rotation::follow(self.orientation, &self.turn, dt / self.scale)
     }
 
     /// Seconds of the first `dt` of a curved arc during which the floor would have had to pull: the reaction
@@ -203,6 +185,7 @@ impl Arc {
             *row = widen(from);
         }
         self.center = step.center;
+        self.turn = step.turn;
         self.reaction = step.reaction;
         let bound: f64 =
             step.center.iter().enumerate().skip(2).map(|(k, c)| (k * (k - 1)) as f64 * c.norm()).sum();

@@ -2,9 +2,8 @@
 
 use super::arc::{Arc, Path, narrow, widen};
 use super::dop853;
-use super::law::{Law, ROLLING, SLIDING, State, velocity};
+use super::law::{Law, ROLLING, SLIDING, State, angular_velocity, velocity};
 use super::low_order;
-use super::rotation;
 use super::step::{Step, TERMS};
 use crate::scene::{Accuracy, Scheme};
 use crate::schedule::time::Time;
@@ -54,19 +53,16 @@ impl Body {
     pub fn slope(&self, surface: &Surface, state: &State) -> State {
         with_chart!(&surface.kernel, chart => {
             let law = self.law(chart);
-            if self.rolls { law.slope(state).0 } else { widen(&law.slope(&narrow::<SLIDING>(state)).0) }
+            if self.rolls { law.slope(state).rate } else { widen(&law.slope(&narrow::<SLIDING>(state)).rate) }
         })
     }
 
-    /// Takes from a state what interpolation put off the tangent plane and the unit sphere.
+    /// Takes from a state what interpolation put off the tangent plane.
     pub fn settle(&self, surface: &Surface, state: &mut State) {
         let (_, n) = self.seat(surface, state);
         let w = velocity(state);
         let w = w - n * w.dot(&n);
         state[2..5].copy_from_slice(w.as_slice());
-        if self.rolls {
-            unit_orientation(state);
-        }
     }
 
     /// State and slope `dt` seconds after `state` on a curved floor.
@@ -81,9 +77,7 @@ impl Body {
         with_chart!(&surface.kernel, chart => {
             let law = self.law(chart);
             if self.rolls {
-                let (mut y, s) = land_by::<ROLLING, _>(&law, accuracy, state, slope, dt);
-                unit_orientation(&mut y);
-                (y, s)
+                land_by::<ROLLING, _>(&law, accuracy, state, slope, dt)
             } else {
                 let (y, s) = land_by::<SLIDING, _>(&law, accuracy, &narrow(state), &narrow(slope), dt);
                 (widen(&y), widen(&s))
@@ -112,7 +106,6 @@ impl Body {
             if self.rolls {
                 let (h, step) = step_by::<ROLLING, _>(&law, accuracy, &arc.state, &arc.slope, stepping);
                 arc.fill(h, &step);
-                unit_orientation(&mut arc.end[0]);
             } else {
                 let (y, s) = (narrow(&arc.state), narrow(&arc.slope));
                 let (h, step) = step_by::<SLIDING, _>(&law, accuracy, &y, &s, stepping);
@@ -133,9 +126,14 @@ impl Body {
         arc.center[2] = acceleration * 0.5;
         arc.acceleration_bound = acceleration.norm();
         arc.reaction = [0.0; 3];
-        // A rolling ball under force turns by quadrature; keep the quadrature short.
-        if self.rolls && arc.acceleration_bound > 0.0 {
-            arc.length = tolerance::TURN_STEP * tolerance::TURN_STEPS_MAX;
+        if self.rolls {
+            arc.turn = [V3::zeros(); TERMS];
+            arc.turn[1] = angular_velocity(&n, &arc.center[1], arc.state[5], self.radius);
+            arc.turn[2] = n.cross(&acceleration) * (0.5 / self.radius);
+            // Orientation under force is a quadrature from the start of the arc; keep it short.
+            if arc.acceleration_bound > 0.0 {
+                arc.length = tolerance::TURN_MAX;
+            }
         }
     }
 
@@ -146,16 +144,12 @@ impl Body {
         arc.scale = 1.0;
         arc.path = Path::Held;
         arc.state = *state;
-        arc.state[2..6].fill(0.0);
+        arc.state[2..].fill(0.0);
         arc.center = [V3::zeros(); TERMS];
         arc.center[0] = self.seat(surface, state).0;
+        arc.turn = [V3::zeros(); TERMS];
         arc.acceleration_bound = 0.0;
     }
-}
-
-fn unit_orientation(state: &mut State) {
-    let q = rotation::unit([state[6], state[7], state[8], state[9]]);
-    state[6..].copy_from_slice(&q);
 }
 
 fn land_by<const D: usize, C: Chart>(
@@ -172,7 +166,7 @@ fn land_by<const D: usize, C: Chart>(
         Accuracy::Fixed(Scheme::Rk4, _) => low_order::rk4_land(law, y, slope, dt),
         Accuracy::Fixed(Scheme::Tsit5, _) => low_order::tsit5_land(law, y, slope, dt),
     };
-    (end, law.slope(&end).0)
+    (end, law.slope(&end).rate)
 }
 
 /// One accepted step and its length. The ladder of powers of two makes acceptance repeatable.
@@ -222,6 +216,7 @@ fn not_finite<const D: usize>() -> Step<D> {
         error: f64::NAN,
         dense: [[f64::NAN; D]; TERMS],
         center: [V3::repeat(f64::NAN); TERMS],
+        turn: [V3::repeat(f64::NAN); TERMS],
         reaction: [f64::NAN; 3],
     }
 }

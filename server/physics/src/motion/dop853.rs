@@ -1,11 +1,11 @@
 //! Dormand and Prince 8(5,3): one step of order 8 with a dense output of order 7.
 //!
 //! Twelve stages, of which the first is the previous step's last, one slope at the end and three more for the
-//! dense output. The centre's polynomial comes from the same formula, since the stages' velocities are the
-//! slopes of the centre; its ends are set to the exact centres.
+//! dense output. The centre's polynomial and the angle turned come from the same formula, since the stages'
+//! velocities are the slopes of the centre and of the angle; the centre's ends are set to the exact ones.
 
 use super::dop853_tableau::{A, B, D as DENSE, E3, E5, STAGES, STAGES_DENSE};
-use super::law::{Law, velocity};
+use super::law::{Law, ROLLING, Slope, angular_velocity, velocity};
 use super::step::{Step, TERMS, combine};
 use crate::surface::chart::{Chart, Frame};
 use nalgebra::Vector3;
@@ -16,16 +16,27 @@ type V3 = Vector3<f64>;
 struct Stages<const D: usize> {
     slope: [[f64; D]; STAGES_DENSE],
     velocity: [V3; STAGES_DENSE],
+    omega: [V3; STAGES_DENSE],
+}
+
+impl<const D: usize> Stages<D> {
+    #[inline]
+    fn enter(&mut self, stage: usize, y: &[f64; D], radius: f64, slope: &Slope<D>) {
+        self.slope[stage] = slope.rate;
+        self.velocity[stage] = velocity(y);
+        if D == ROLLING {
+            self.omega[stage] = angular_velocity(&slope.normal, &self.velocity[stage], y[5], radius);
+        }
+    }
 }
 
 /// `stage!(s, law, y, h, i; j ...)`: stage i from the stages j with weights A[i][j].
 macro_rules! stage {
     ($s:ident, $law:ident, $y:ident, $h:ident, $i:literal; $($j:literal)+) => {{
         let at = combine($y, $h, [$((A[$i][$j], &$s.slope[$j])),+]);
-        let (slope, reaction) = $law.slope(&at);
-        $s.slope[$i] = slope;
-        $s.velocity[$i] = velocity(&at);
-        reaction
+        let slope = $law.slope(&at);
+        $s.enter($i, &at, $law.radius, &slope);
+        slope.reaction
     }};
 }
 
@@ -37,9 +48,12 @@ fn advance<const D: usize, C: Chart>(
     slope: &[f64; D],
     h: f64,
 ) -> (Stages<D>, [f64; D]) {
-    let mut s = Stages { slope: [[0.0; D]; STAGES_DENSE], velocity: [V3::zeros(); STAGES_DENSE] };
+    let mut s = Stages {
+        slope: [[0.0; D]; STAGES_DENSE],
+        velocity: [V3::zeros(); STAGES_DENSE],
+        omega: [V3::zeros(); STAGES_DENSE],
+    };
     s.slope[0] = *slope;
-    s.velocity[0] = velocity(y);
     stage!(s, law, y, h, 1; 0);
     stage!(s, law, y, h, 2; 0 1);
     stage!(s, law, y, h, 3; 0 2);
@@ -92,36 +106,40 @@ pub fn step<const D: usize, C: Chart>(
 ) -> Option<Step<D>> {
     let (mut s, end) = advance(law, y, slope, h);
     let error = error_estimate(law, y, h, &s.slope);
-    // Written so that a NaN is refused too.
-    if !(error <= allowed) {
+    // A NaN is refused too.
+    if error.is_nan() || error > allowed {
         return None;
     }
-    let (slope_end, reaction_end) = law.slope(&end);
-    s.slope[12] = slope_end;
-    s.velocity[12] = velocity(&end);
+    let last = law.slope(&end);
+    s.enter(12, &end, law.radius, &last);
     stage!(s, law, y, h, 13; 0 6 7 8 9 10 11 12);
     stage!(s, law, y, h, 14; 0 5 6 7 10 11 12 13);
     let reaction_inside = stage!(s, law, y, h, 15; 0 5 6 7 8 12 13 14);
-    let (_, reaction_start) = law.slope(y);
+    let first = law.slope(y);
+    s.enter(0, y, law.radius, &first);
     let rise = std::array::from_fn(|i| end[i] - y[i]);
     let dense = dense_output(h, y, &rise, &s.slope);
     let (c0, c1) = (law.center(y), law.center(&end));
-    let slopes: [[f64; 3]; STAGES_DENSE] =
-        std::array::from_fn(|i| [s.velocity[i].x, s.velocity[i].y, s.velocity[i].z]);
-    let lift = c1 - c0;
-    let center = dense_output(h, &[c0.x, c0.y, c0.z], &[lift.x, lift.y, lift.z], &slopes);
+    let center = dense_path(h, c0, c1 - c0, &s.velocity);
+    let mut turn = [V3::zeros(); TERMS];
+    if D == ROLLING {
+        let rise =
+            [0, 5, 6, 7, 8, 9, 10, 11].iter().fold(V3::zeros(), |sum, i| sum + s.omega[*i] * B[*i]) * h;
+        turn = dense_path(h, V3::zeros(), rise, &s.omega);
+    }
     Some(Step {
         end,
-        slope_end,
+        slope_end: last.rate,
         error,
         dense,
-        center: center.map(|c| V3::new(c[0], c[1], c[2])),
-        reaction: [reaction_start, reaction_inside, reaction_end],
+        center,
+        turn,
+        reaction: [first.reaction, reaction_inside, last.reaction],
     })
 }
 
 /// Hairer's combination of the estimates of order 5 and 3, in metres: an error of velocity counts with
-/// [`crate::tolerance::ERROR_TIME`], one of orientation with the radius.
+/// [`crate::tolerance::ERROR_TIME`].
 #[inline]
 fn error_estimate<const D: usize, C: Chart>(
     law: &Law<'_, C>,
@@ -142,10 +160,8 @@ fn error_estimate<const D: usize, C: Chart>(
         let speed = sum[2] * sum[2] + sum[3] * sum[3] + sum[4] * sum[4];
         let time = crate::tolerance::ERROR_TIME;
         let mut square = place.max(speed * time * time);
-        if D == super::law::ROLLING {
+        if D == ROLLING {
             square = square.max(sum[5] * sum[5] * time * time);
-            let turn: f64 = sum[6..].iter().map(|x| x * x).sum();
-            square = square.max(4.0 * turn * law.radius * law.radius);
         }
         *norm = square;
     }
@@ -154,6 +170,13 @@ fn error_estimate<const D: usize, C: Chart>(
         return 0.0;
     }
     h * five / (five + 0.01 * three).sqrt()
+}
+
+/// The dense output of a point whose slopes are `slopes`.
+fn dense_path(h: f64, start: V3, rise: V3, slopes: &[V3; STAGES_DENSE]) -> [V3; TERMS] {
+    let slopes = slopes.map(|s| [s.x, s.y, s.z]);
+    let dense = dense_output(h, &[start.x, start.y, start.z], &[rise.x, rise.y, rise.z], &slopes);
+    dense.map(|c| V3::new(c[0], c[1], c[2]))
 }
 
 /// The dense output in powers of theta. The source gives it nested in theta and 1 - theta; expanded here.

@@ -3,6 +3,8 @@
 //! Source: E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd edition,
 //! section II.10, and the authors' code `dop853.f`, rounded to f64.
 
+#![allow(clippy::unreadable_literal, clippy::excessive_precision, reason = "tables, as published")]
+
 /// Stages of one step.
 pub const STAGES: usize = 12;
 /// Stages with those of the dense output; number 12 is the slope at the step's end.

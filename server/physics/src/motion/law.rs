@@ -1,7 +1,7 @@
 //! The equations of motion of one ball on the floor.
 //!
 //! State: chart coordinates q of the contact point, velocity w of the centre in space, and for a rolling ball
-//! sigma = r omega.n (spin about the normal, m/s) and the orientation quaternion. With S(q) the floor, n its
+//! sigma = r omega.n (spin about the normal, m/s). Orientation acts on nothing and is left out. With S(q) the floor, n its
 //! normal, I and II its fundamental forms, k the inertia factor, a the applied acceleration, P = 1 - n n^T:
 //!
 //! ```text
@@ -9,7 +9,7 @@
 //! n'             = -(alpha S_u + beta S_v),     I [alpha; beta] = II q'          (Weingarten)
 //! w'             = (P a + k sigma (n x n'))/(1+k) - (n'.w) n
 //! sigma'         = n.(w x n')
-//! orientation'   = 1/2 omega orientation,       omega = (sigma n + n x w)/r
+//! omega          = (sigma n + n x w)/r
 //! reaction/mass  = -a.n - n'.w
 //! ```
 //!
@@ -23,8 +23,8 @@ type V3 = Vector3<f64>;
 
 /// Numbers in a sliding ball's state: q, w.
 pub const SLIDING: usize = 5;
-/// Numbers in a rolling ball's state: q, w, sigma, orientation x y z w.
-pub const ROLLING: usize = 10;
+/// Numbers in a rolling ball's state: q, w, sigma.
+pub const ROLLING: usize = 6;
 
 /// A ball's state as numbers; a sliding ball uses the first [`SLIDING`].
 pub type State = [f64; ROLLING];
@@ -33,6 +33,23 @@ pub type State = [f64; ROLLING];
 #[inline]
 pub fn velocity<const D: usize>(y: &[f64; D]) -> V3 {
     V3::new(y[2], y[3], y[4])
+}
+
+/// Angular velocity of a rolling ball with floor normal `n`, rad/s.
+#[inline]
+pub fn angular_velocity(n: &V3, w: &V3, sigma: f64, radius: f64) -> V3 {
+    (n * sigma + n.cross(w)) * (1.0 / radius)
+}
+
+/// What the right-hand side gives.
+#[derive(Clone, Copy, Debug)]
+pub struct Slope<const D: usize> {
+    /// Time derivative of the state.
+    pub rate: [f64; D],
+    /// The floor's reaction per mass, m/s^2.
+    pub reaction: f64,
+    /// The floor's normal.
+    pub normal: V3,
 }
 
 /// One ball's right-hand side.
@@ -49,9 +66,9 @@ pub struct Law<'a, C> {
 }
 
 impl<C: Chart> Law<'_, C> {
-    /// Time derivative of a state of `D` numbers, and the floor's reaction per mass, m/s^2.
+    /// The right-hand side at a state of `D` numbers.
     #[inline]
-    pub fn slope<const D: usize>(&self, y: &[f64; D]) -> ([f64; D], f64) {
+    pub fn slope<const D: usize>(&self, y: &[f64; D]) -> Slope<D> {
         let w = velocity(y);
         let frame = self.chart.frame([y[0], y[1]]);
         let n = frame.normal();
@@ -79,7 +96,7 @@ impl<C: Chart> Law<'_, C> {
         if D < ROLLING {
             let dw = tangential - n * turning;
             out[2..5].copy_from_slice(dw.as_slice());
-            return (out, reaction);
+            return Slope { rate: out, reaction, normal: n };
         }
         let k = self.inertia_factor;
         let sigma = y[5];
@@ -88,13 +105,7 @@ impl<C: Chart> Law<'_, C> {
         out[2..5].copy_from_slice(dw.as_slice());
         // n.(w x n') = -w.(n x n')
         out[5] = -w.dot(&across);
-        let omega = (n * sigma + n.cross(&w)) * (0.5 / r);
-        let (x, y4, z, s) = (y[6], y[7], y[8], y[9]);
-        out[6] = omega.x * s + (omega.y * z - omega.z * y4);
-        out[7] = omega.y * s + (omega.z * x - omega.x * z);
-        out[8] = omega.z * s + (omega.x * y4 - omega.y * x);
-        out[9] = -(omega.x * x + omega.y * y4 + omega.z * z);
-        (out, reaction)
+        Slope { rate: out, reaction, normal: n }
     }
 
     /// The ball's centre, m.

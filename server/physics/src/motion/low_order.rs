@@ -3,15 +3,18 @@
 //! They are here to be compared with. Tsitouras' coefficients and interpolant: Ch. Tsitouras, "Runge-Kutta
 //! pairs of order 5(4) satisfying only the first column simplifying assumption", Comput. Math. Appl. 62 (2011).
 
-use super::law::Law;
-use super::step::{Step, TERMS, center_of_ends, combine, cubic_hermite};
+use super::law::{Law, ROLLING, angular_velocity, velocity};
+use super::step::{Step, TERMS, combine, cubic_hermite, quintic_hermite};
 use crate::surface::chart::Chart;
+use nalgebra::Vector3;
+
+type V3 = Vector3<f64>;
 
 /// The classical scheme: the state after h.
 pub fn rk4_land<const D: usize, C: Chart>(law: &Law<'_, C>, y: &[f64; D], k1: &[f64; D], h: f64) -> [f64; D] {
-    let (k2, _) = law.slope(&combine(y, h, [(0.5, k1)]));
-    let (k3, _) = law.slope(&combine(y, h, [(0.5, &k2)]));
-    let (k4, _) = law.slope(&combine(y, h, [(1.0, &k3)]));
+    let k2 = law.slope(&combine(y, h, [(0.5, k1)])).rate;
+    let k3 = law.slope(&combine(y, h, [(0.5, &k2)])).rate;
+    let k4 = law.slope(&combine(y, h, [(1.0, &k3)])).rate;
     combine(y, h, [(1.0 / 6.0, k1), (1.0 / 3.0, &k2), (1.0 / 3.0, &k3), (1.0 / 6.0, &k4)])
 }
 
@@ -57,18 +60,19 @@ fn tsit5_stages<const D: usize, C: Chart>(
     let a = &TSIT5;
     let mut k = [[0.0; D]; 6];
     k[0] = *k1;
-    k[1] = law.slope(&combine(y, h, [(a[0][0], &k[0])])).0;
-    k[2] = law.slope(&combine(y, h, [(a[1][0], &k[0]), (a[1][1], &k[1])])).0;
-    k[3] = law.slope(&combine(y, h, [(a[2][0], &k[0]), (a[2][1], &k[1]), (a[2][2], &k[2])])).0;
-    k[4] =
-        law.slope(&combine(y, h, [(a[3][0], &k[0]), (a[3][1], &k[1]), (a[3][2], &k[2]), (a[3][3], &k[3])])).0;
+    k[1] = law.slope(&combine(y, h, [(a[0][0], &k[0])])).rate;
+    k[2] = law.slope(&combine(y, h, [(a[1][0], &k[0]), (a[1][1], &k[1])])).rate;
+    k[3] = law.slope(&combine(y, h, [(a[2][0], &k[0]), (a[2][1], &k[1]), (a[2][2], &k[2])])).rate;
+    k[4] = law
+        .slope(&combine(y, h, [(a[3][0], &k[0]), (a[3][1], &k[1]), (a[3][2], &k[2]), (a[3][3], &k[3])]))
+        .rate;
     k[5] = law
         .slope(&combine(
             y,
             h,
             [(a[4][0], &k[0]), (a[4][1], &k[1]), (a[4][2], &k[2]), (a[4][3], &k[3]), (a[4][4], &k[4])],
         ))
-        .0;
+        .rate;
     let b = &TSIT5_B;
     let end = combine(
         y,
@@ -99,7 +103,8 @@ pub fn tsit5_step<const D: usize, C: Chart>(
     finish(law, y, k1, h, end, Some(&k))
 }
 
-/// b_i(theta) of the interpolant in powers theta^1 to theta^4, expanded from its published factors.
+/// `b_i(theta)` of the interpolant in powers theta^1 to theta^4, expanded from its published factors.
+#[allow(clippy::excessive_precision, reason = "as published")]
 fn tsit5_interpolant() -> [[f64; 4]; 7] {
     /// c theta^2 (theta - a)(theta - b)
     fn factored(c: f64, a: f64, b: f64) -> [f64; 4] {
@@ -136,8 +141,8 @@ fn finish<const D: usize, C: Chart>(
     end: [f64; D],
     tsit5: Option<&[[f64; D]; 6]>,
 ) -> Step<D> {
-    let (slope_end, reaction_end) = law.slope(&end);
-    let (_, reaction_start) = law.slope(y);
+    let (first, last) = (law.slope(y), law.slope(&end));
+    let slope_end = last.rate;
     let mut dense = cubic_hermite(h, [y, &end], [k1, &slope_end]);
     if let Some(k) = tsit5 {
         let weights = tsit5_interpolant();
@@ -153,10 +158,30 @@ fn finish<const D: usize, C: Chart>(
             }
         }
     }
-    let center = center_of_ends(h, [law.center(y), law.center(&end)], [y, &end], [k1, &slope_end]);
+    let (w0, w1) = (velocity(y), velocity(&end));
+    let centers = [law.center(y), law.center(&end)];
+    let center = quintic_hermite(h, centers, [w0, w1], [velocity(k1), velocity(&slope_end)]);
+    let mut turn = [V3::zeros(); TERMS];
+    if D == ROLLING {
+        // Linear in between: of the order of the cubic that the state is read from.
+        let omega = [
+            angular_velocity(&first.normal, &w0, y[5], law.radius),
+            angular_velocity(&last.normal, &w1, end[5], law.radius),
+        ];
+        turn[1] = omega[0] * h;
+        turn[2] = (omega[1] - omega[0]) * (0.5 * h);
+    }
     // Linear between the ends is as good as these schemes.
-    let inside = reaction_start + (reaction_end - reaction_start) * super::step::REACTION_AT[1];
-    Step { end, slope_end, error: 0.0, dense, center, reaction: [reaction_start, inside, reaction_end] }
+    let inside = first.reaction + (last.reaction - first.reaction) * super::step::REACTION_AT[1];
+    Step {
+        end,
+        slope_end,
+        error: 0.0,
+        dense,
+        center,
+        turn,
+        reaction: [first.reaction, inside, last.reaction],
+    }
 }
 
 #[cfg(test)]

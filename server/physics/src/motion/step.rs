@@ -1,6 +1,5 @@
 //! What one integration step leaves behind, whatever the scheme.
 
-use super::law::velocity;
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -21,6 +20,8 @@ pub struct Step<const D: usize> {
     pub dense: [[f64; D]; TERMS],
     /// The centre within the step, `center[power]`; exact at both ends.
     pub center: [V3; TERMS],
+    /// Angle turned within the step (the integral of the angular velocity, rad), `turn[power]`; zero when sliding.
+    pub turn: [V3; TERMS],
     /// Floor reaction per mass at `REACTION_AT`, m/s^2.
     pub reaction: [f64; 3],
 }
@@ -76,20 +77,4 @@ pub fn cubic_hermite<const D: usize>(h: f64, y: [&[f64; D]; 2], slope: [&[f64; D
         c[3][i] = s0 + s1 - 2.0 * rise;
     }
     c
-}
-
-/// Centre polynomial of a low-order step.
-pub fn center_of_ends<const D: usize>(
-    h: f64,
-    centers: [V3; 2],
-    y: [&[f64; D]; 2],
-    slope: [&[f64; D]; 2],
-) -> [V3; TERMS] {
-    let acceleration = |s: &[f64; D]| velocity(s);
-    quintic_hermite(
-        h,
-        centers,
-        [velocity(y[0]), velocity(y[1])],
-        [acceleration(slope[0]), acceleration(slope[1])],
-    )
 }

@@ -31,10 +31,10 @@ impl Queue {
     /// Sets what comes next for a ball.
     pub fn set(&mut self, ball: usize, next: Next) {
         self.next[ball] = next;
-        let mut node = (self.leaves + ball) / 2;
+        let mut node = (self.leaves + ball) >> 1;
         while node > 0 {
             self.replay(node);
-            node /= 2;
+            node >>= 1;
         }
     }
 

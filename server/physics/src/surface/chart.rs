@@ -79,7 +79,7 @@ impl Axis {
             let mut power = 1.0;
             for i in 0..=p {
                 out[0][i] = power;
-                if i + 1 <= p {
+                if i < p {
                     out[1][i + 1] = (i + 1) as f64 * power;
                 }
                 if i + 2 <= p {
@@ -335,11 +335,44 @@ impl Chart for FlatChart {
 
 // ---------------------------------------------------------------------------------------------------------
 
+/// A floor of total degree 2: bowls, troughs, saddles. Its second derivatives are constants.
+#[derive(Clone, Copy, Debug)]
+pub struct QuadricChart {
+    middle: V3,
+    slope: [f64; 2],
+    /// `z_xx`, `z_xy`, `z_yy`.
+    curve: [f64; 3],
+}
+
+impl Chart for QuadricChart {
+    type Frame = HeightFrame;
+
+    #[inline]
+    fn frame(&self, q: [f64; 2]) -> HeightFrame {
+        let [a, b, c] = self.curve;
+        let [sx, sy] = self.slope;
+        let (bend_x, bend_y) = (a * q[0] + b * q[1], b * q[0] + c * q[1]);
+        let (zx, zy) = (sx + bend_x, sy + bend_y);
+        let rise = (sx + 0.5 * bend_x) * q[0] + (sy + 0.5 * bend_y) * q[1];
+        let cosine = 1.0 / (1.0 + (zx * zx + zy * zy)).sqrt();
+        HeightFrame {
+            point: self.middle + V3::new(q[0], q[1], rise),
+            slope: [zx, zy],
+            second: [a * cosine, b * cosine, c * cosine],
+            cosine,
+        }
+    }
+}
+
+// ---------------------------------------------------------------------------------------------------------
+
 /// The kernel of one floor, in the smallest size that holds it.
 #[derive(Clone, Debug)]
 pub enum Kernel {
     /// A plane.
     Flat(FlatChart),
+    /// A height field of total degree 2.
+    Quadric(QuadricChart),
     /// A height field of degree up to 2, 3, 6, 10, 12.
     Height2(HeightChart<3>),
     /// See `Height2`.
@@ -361,6 +394,7 @@ macro_rules! with_chart {
     ($kernel:expr, $chart:ident => $body:expr) => {
         match $kernel {
             $crate::surface::chart::Kernel::Flat($chart) => $body,
+            $crate::surface::chart::Kernel::Quadric($chart) => $body,
             $crate::surface::chart::Kernel::Height2($chart) => $body,
             $crate::surface::chart::Kernel::Height3($chart) => $body,
             $crate::surface::chart::Kernel::Height6($chart) => $body,
@@ -425,6 +459,13 @@ impl Surface {
         let at = |i: usize, j: usize| shifted.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0);
         if degree[0].max(degree[1]) <= 1 && at(1, 1) == 0.0 {
             return Self { kernel: Self::flat(middle, at(0, 0), [at(1, 0), at(0, 1)]), width };
+        }
+        let quadric = (0..=degree[0]).all(|i| (0..=degree[1]).all(|j| i + j <= 2 || at(i, j) == 0.0));
+        if quadric {
+            let middle = V3::new(middle[0], middle[1], at(0, 0));
+            let curve = [2.0 * at(2, 0), at(1, 1), 2.0 * at(0, 2)];
+            let kernel = Kernel::Quadric(QuadricChart { middle, slope: [at(1, 0), at(0, 1)], curve });
+            return Self { kernel, width };
         }
         let axes =
             [Axis::new(Basis::Power, degree[0], width[0]), Axis::new(Basis::Power, degree[1], width[1])];
