@@ -186,9 +186,9 @@ pub enum SteerMode {
 pub struct Reply {
     /// Whether it was done.
     pub ok: bool,
-    /// Tick at which it acted.
+    /// Tick at which it acted; 0 when it was refused before it came to one.
     pub tick: u64,
-    /// Epoch of that tick.
+    /// Epoch of that tick; 0 likewise.
     pub epoch: u64,
     /// Why not, and what would do; empty when done.
     #[serde(default, skip_serializing_if = "String::is_empty")]

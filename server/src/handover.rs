@@ -105,11 +105,11 @@ impl Handover {
 
     /// Swaps what has gathered for `batch`, whose lists must be empty, waiting at most `timeout` for something.
     pub fn take(&self, batch: &mut Batch, timeout: Duration) {
+        batch.hits.reserve_exact(HITS_CAPACITY);
         let mut shelf = self.lock();
         if shelf.batch.is_empty() {
             shelf = self.filled.wait_timeout(shelf, timeout).unwrap_or_else(PoisonError::into_inner).0;
         }
-        batch.hits.reserve_exact(HITS_CAPACITY.saturating_sub(batch.hits.capacity()));
         std::mem::swap(&mut shelf.batch, batch);
         shelf.batch.hits_dropped = batch.hits_dropped;
         shelf.batch.ended = batch.ended;

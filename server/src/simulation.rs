@@ -4,7 +4,7 @@
 use crate::scene_file::{LoadedScene, SceneError};
 use ballroom_physics::{Controller, Drive, Hit, Time};
 use nalgebra::{Vector2, Vector3};
-use protocol::command::{Direction, DirectionName, SteerMode};
+use protocol::command::{Direction, SteerMode};
 use protocol::snapshot::{Collisions, Roster, Snapshot};
 use protocol::stats::Stats;
 use std::collections::BTreeMap;
@@ -234,13 +234,11 @@ impl NumberedHit {
     }
 }
 
-/// The held force named by its direction's `stop`.
-pub const STOP: Direction = Direction::Named(DirectionName::Stop);
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene_file::SceneText;
+    use protocol::command::DirectionName;
 
     fn original() -> Simulation {
         let loaded = SceneText::open("original").unwrap().load().unwrap();
@@ -259,6 +257,7 @@ mod tests {
     }
 
     const UP: Direction = Direction::Named(DirectionName::Up);
+    const STOP: Direction = Direction::Named(DirectionName::Stop);
 
     #[test]
     fn the_same_commands_at_the_same_ticks_give_the_same_bits() {

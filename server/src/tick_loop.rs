@@ -209,7 +209,7 @@ impl TickLoop {
     }
 
     fn report_each_second(&mut self) {
-        let Some(figures) = self.meter.each_second() else { return };
+        let Some(figures) = self.meter.each_second(!self.paused) else { return };
         let [commands_accepted, commands_refused] = self.inbox.counts();
         let mut stats = Stats {
             paused: self.paused,
@@ -231,5 +231,137 @@ struct OnDrop<F: FnMut()>(F);
 impl<F: FnMut()> Drop for OnDrop<F> {
     fn drop(&mut self) {
         (self.0)();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::handover::Batch;
+    use crate::scene_file::SceneText;
+    use std::sync::mpsc::{Receiver, channel};
+
+    /// A loop on its own thread, with everything around it but the network.
+    struct Running {
+        inbox: Arc<Inbox>,
+        handover: Arc<Handover>,
+        stop: Arc<AtomicBool>,
+        thread: Option<std::thread::JoinHandle<()>>,
+    }
+
+    impl Running {
+        fn start(paused: bool, tick_rate_hz: u32) -> Self {
+            let loaded = Arc::new(SceneText::open("plane").unwrap().load().unwrap());
+            let simulation = Simulation::new(loaded, tick_rate_hz, 1).unwrap();
+            let (inbox, handover, stop) = (Arc::default(), Arc::new(Handover::new()), Arc::default());
+            let ticks =
+                TickLoop::new(simulation, Arc::clone(&inbox), handover.clone(), Arc::clone(&stop), paused);
+            Self { inbox, handover, stop, thread: Some(std::thread::spawn(move || ticks.run())) }
+        }
+
+        fn send(&self, command: Command) -> Receiver<Reply> {
+            let (sender, receiver) = channel();
+            let answer: Answer = Box::new(move |reply: &Reply| sender.send(reply.clone()).unwrap());
+            assert!(self.inbox.offer(Request { command, answer: Some(answer) }).is_ok());
+            receiver
+        }
+
+        /// What the publisher does, until the reply is there.
+        fn ask(&self, command: Command) -> Reply {
+            let reply = self.send(command);
+            let mut batch = Batch::default();
+            for _ in 0..1000 {
+                self.handover.take(&mut batch, Duration::from_millis(10));
+                batch.hits.clear();
+                batch.answers.drain(..).for_each(|answered| (answered.answer)(&answered.reply));
+                if let Ok(reply) = reply.try_recv() {
+                    return reply;
+                }
+            }
+            panic!("no reply in ten seconds");
+        }
+    }
+
+    impl Drop for Running {
+        fn drop(&mut self) {
+            self.stop.store(true, Ordering::Relaxed);
+            self.thread.take().unwrap().join().unwrap();
+        }
+    }
+
+    #[test]
+    fn a_paused_loop_steps_exactly_and_says_when_it_is_done() {
+        let running = Running::start(true, 60);
+        assert_eq!(running.ask(Command::Step { ticks: 1 }).tick, 1);
+        assert_eq!(running.ask(Command::Step { ticks: 2000 }).tick, 2001);
+        let reset = running.ask(Command::Reset {});
+        assert_eq!((reset.ok, reset.tick, reset.epoch), (true, 0, 2));
+        assert_eq!(running.ask(Command::Step { ticks: 5 }).tick, 5);
+        assert_eq!(running.inbox.counts(), [4, 0]);
+    }
+
+    #[test]
+    fn commands_out_of_place_are_refused_with_a_reason() {
+        let running = Running::start(false, 60);
+        let step = running.ask(Command::Step { ticks: 1 });
+        assert!(!step.ok && step.error.contains("pause"), "{step:?}");
+        assert!(running.ask(Command::Pause {}).ok);
+        let long = running.send(Command::Step { ticks: 1_000_000 });
+        let more = running.ask(Command::Step { ticks: 1 });
+        assert!(!more.ok && more.error.contains("still being made"), "{more:?}");
+        assert!(running.ask(Command::Resume {}).ok);
+        let long = long.recv_timeout(Duration::from_secs(10)).unwrap();
+        assert!(!long.ok && long.error.contains("resumed"), "{long:?}");
+    }
+
+    #[test]
+    fn speed_scales_the_ticks_a_second() {
+        let running = Running::start(false, 100);
+        assert!(running.ask(Command::Speed { factor: 4.0 }).ok);
+        let from = running.ask(Command::Speed { factor: 4.0 }).tick;
+        let began = Instant::now();
+        std::thread::sleep(Duration::from_millis(500));
+        let ticks = running.ask(Command::Pause {}).tick - from;
+        let wanted = 400.0 * began.elapsed().as_secs_f64();
+        // A loaded machine may lose ticks, none makes more.
+        assert!(ticks as f64 <= wanted + 4.0 && ticks as f64 >= 0.5 * wanted, "{ticks} of {wanted}");
+    }
+
+    #[test]
+    fn a_stall_costs_ticks_and_is_over_when_it_is_over() {
+        let loaded = Arc::new(SceneText::open("plane").unwrap().load().unwrap());
+        let simulation = Simulation::new(loaded, 1000, 1).unwrap();
+        let handover = Arc::new(Handover::new());
+        let mut ticks = TickLoop::new(simulation, Arc::default(), handover, Arc::default(), false);
+        let began = Instant::now();
+        std::thread::sleep(Duration::from_millis(50));
+        let due = ticks.next_deadline(began, began);
+        // Fifty periods late: the next tick is due now, not fifty of them.
+        assert!(due >= began + Duration::from_millis(50));
+        assert_eq!(ticks.next_deadline(due + Duration::from_secs(1), due), due + Duration::from_millis(1001));
+    }
+
+    #[test]
+    fn a_tick_with_its_handover_allocates_nothing_after_the_first_second() {
+        let loaded = Arc::new(SceneText::open("original").unwrap().load().unwrap());
+        let simulation = Simulation::new(loaded, 60, 1).unwrap();
+        let handover = Arc::new(Handover::new());
+        let mut ticks = TickLoop::new(simulation, Arc::default(), handover.clone(), Arc::default(), false);
+        let mut batch = Batch::default();
+        let mut second = || {
+            for _ in 0..60 {
+                ticks.apply_commands();
+                ticks.tick();
+                ticks.hand_over();
+                handover.take(&mut batch, Duration::ZERO);
+                batch.hits.clear();
+                if let Some(state) = batch.state.take() {
+                    handover.recycle(state);
+                }
+            }
+        };
+        second();
+        let allocated = allocation_counter::measure(|| (0..20).for_each(|_| second()));
+        assert_eq!(allocated.count_total, 0);
     }
 }

@@ -117,9 +117,11 @@ impl Follower {
         while let Some(change) = self.servers.recv_timeout(Duration::ZERO)? {
             match change {
                 Presence::Here(id) => {
-                    self.known = None;
-                    self.next_question = Instant::now();
-                    self.server = Some(id);
+                    // The first token may arrive after the first world, and is then no news.
+                    if self.server.replace(id.clone()).is_some_and(|known| known != id) {
+                        self.known = None;
+                        self.next_question = Instant::now();
+                    }
                 }
                 Presence::Gone(id) if self.server.as_ref() == Some(&id) => {
                     self.server = None;
@@ -130,13 +132,13 @@ impl Follower {
                 Presence::Gone(_) => {}
             }
         }
-        if self.known.is_none() {
-            return Ok(self.ask_for_world());
-        }
+        let Some(known) = self.known else { return Ok(self.ask_for_world()) };
         if self.heard.elapsed() > SILENCE {
             self.heard = Instant::now();
-            if self.client.stats_now(SILENCE).is_err() {
-                return Ok(self.lose());
+            match self.client.stats_now(SILENCE) {
+                Ok(stats) if stats.epoch == known.epoch => {}
+                Ok(_) => self.known = None,
+                Err(_) => return Ok(self.lose()),
             }
         }
         Ok(None)

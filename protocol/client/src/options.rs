@@ -114,3 +114,45 @@ impl ClientOptions {
         Ok(config)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Client;
+    use std::time::Instant;
+
+    #[test]
+    fn a_tool_without_a_server_gives_up_in_time_and_says_where_it_looked() {
+        // Nothing listens on port 1.
+        let options = ClientOptions {
+            endpoints: vec!["tcp/127.0.0.1:1".into()],
+            patience: Patience::GiveUpAfter(Duration::from_millis(300)),
+            ..ClientOptions::default()
+        };
+        let began = Instant::now();
+        let error = Client::open(options).err().unwrap();
+        assert!(error.is_no_server() && error.to_string().contains("tcp/127.0.0.1:1 "), "{error}");
+        assert!(began.elapsed() < Duration::from_secs(3));
+    }
+
+    #[test]
+    fn a_waiting_daemon_can_be_aborted() {
+        let abort = Abort::default();
+        let options = ClientOptions {
+            endpoints: vec!["tcp/127.0.0.1:1".into()],
+            patience: Patience::WaitForServer,
+            abort: abort.clone(),
+            ..ClientOptions::default()
+        };
+        let waiting = std::thread::spawn(move || Client::open(options).err().unwrap());
+        std::thread::sleep(Duration::from_millis(200));
+        abort.abort();
+        assert!(matches!(waiting.join().unwrap(), ClientError::Aborted));
+    }
+
+    #[test]
+    fn a_missing_configuration_file_is_named() {
+        let options = ClientOptions { config: Some("no/such.json5".into()), ..ClientOptions::default() };
+        assert!(options.zenoh_config().unwrap_err().to_string().contains("no/such.json5"));
+    }
+}

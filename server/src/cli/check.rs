@@ -1,6 +1,6 @@
 //! `check`: whether a scene can be run, and what it holds.
 
-use protocol::scene::{Floor, Scene};
+use protocol::scene::{Accuracy, Floor, Scene};
 use server::SceneText;
 use server::simulation::Simulation;
 use std::io::Write;
@@ -36,27 +36,33 @@ impl Check {
         let players = roster.player.iter().filter(|player| **player).count();
         writeln!(out, "balls      {}, {players} of them for players", roster.names.len())?;
         let physics = loaded.physics();
-        writeln!(out, "motion     {:?}, restitution {}", physics.motion, physics.restitution)?;
-        writeln!(out, "accuracy   {:?}", physics.accuracy)?;
+        let motion = format!("{:?}", physics.motion).to_lowercase();
+        writeln!(out, "motion     {motion}, restitution {}", physics.restitution)?;
+        writeln!(out, "accuracy   {}", accuracy(scene.accuracy))?;
         writeln!(out, "energy     {} J at the start", controller.energy())?;
         let [lo, hi] = controller.curvature_bracket();
         writeln!(out, "curvature  largest concave {lo:.6} to {hi:.6} 1/m, certified over the whole floor")?;
         let mut radii = roster.radius_m.clone();
         radii.sort_unstable_by(|a, b| b.total_cmp(a));
         radii.dedup();
-        for radius in radii.iter().take(LISTED_RADII) {
-            writeln!(
-                out,
-                "           times radius {radius} m: {:.6} to {:.6}, must stay below 1",
-                lo * radius,
-                hi * radius
-            )?;
+        // Of many radii the largest speaks for all.
+        let listed = if radii.len() > LISTED_RADII { 1 } else { radii.len() };
+        for radius in &radii[..listed] {
+            let [lo, hi] = [lo * radius, hi * radius];
+            writeln!(out, "           times radius {radius} m: {lo:.6} to {hi:.6}, must stay below 1")?;
         }
-        if radii.len() > LISTED_RADII {
-            writeln!(out, "           and {} smaller radii", radii.len() - LISTED_RADII)?;
+        if listed < radii.len() {
+            writeln!(out, "           and less for {} smaller radii", radii.len() - listed)?;
         }
         writeln!(out, "ok")?;
         Ok(())
+    }
+}
+
+fn accuracy(accuracy: Accuracy) -> String {
+    match accuracy {
+        Accuracy::Tolerance { tolerance_m } => format!("{tolerance_m:e} m over 10 s of smooth motion"),
+        Accuracy::Fixed { integrator, step_s } => format!("{integrator:?} with steps of {step_s} s"),
     }
 }
 

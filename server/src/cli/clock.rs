@@ -5,7 +5,7 @@ use protocol::command::Command;
 use std::time::Duration;
 
 /// A step may be a million ticks long.
-const STEP_TIMEOUT: Duration = Duration::from_secs(3600);
+const STEP_TIMEOUT: Duration = Duration::from_hours(1);
 
 /// Stop the clock
 #[derive(clap::Args)]

@@ -25,6 +25,8 @@ pub fn code_of(error: &anyhow::Error) -> ExitCode {
         error.is::<SceneError>() || matches!(error.downcast_ref::<ArenaError>(), Some(ArenaError::Scene(_)));
     if error.downcast_ref::<ClientError>().is_some_and(ClientError::is_no_server) {
         ExitCode::from(3)
+    } else if matches!(error.downcast_ref(), Some(ClientError::Command(_))) {
+        ExitCode::from(2)
     } else if error.is::<Refused>() {
         ExitCode::from(4)
     } else if is_scene {

@@ -57,7 +57,18 @@ pub fn open(options: &ArenaOptions) -> Result<(Session, Vec<String>), NetworkErr
     };
     // The true ports, also where port 0 was asked for.
     let endpoints: Vec<String> = session.info().locators().wait().iter().map(ToString::to_string).collect();
+    if let Some(open) = endpoints.iter().find(|endpoint| !is_loopback(endpoint)) {
+        tracing::warn!(
+            "{open} is open to other machines: anyone there may steer, unless the configuration forbids it"
+        );
+    }
     Ok((session, endpoints))
+}
+
+fn is_loopback(endpoint: &str) -> bool {
+    let address = endpoint.split_once('/').map_or(endpoint, |(_, address)| address);
+    endpoint.starts_with("unixsock")
+        || ["127.", "[::1]", "localhost"].iter().any(|host| address.starts_with(host))
 }
 
 /// Steps around ports that others hold, a router of another program for instance.
@@ -93,4 +104,23 @@ fn set(config: &mut Config, key: &str, value: &str) -> Result<(), NetworkError> 
 
 fn list(endpoints: &[String]) -> String {
     serde_json::to_string(endpoints).expect("a list of texts")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_setting_is_one_zenoh_knows() {
+        let mut config = Config::default();
+        for (key, value) in SETTINGS {
+            set(&mut config, key, value).unwrap();
+        }
+    }
+
+    #[test]
+    fn only_this_machine_counts_as_loopback() {
+        assert!(is_loopback("tcp/127.0.0.1:7447") && is_loopback("tcp/[::1]:7447"));
+        assert!(!is_loopback("tcp/0.0.0.0:7447") && !is_loopback("tls/192.168.1.2:7447"));
+    }
 }

@@ -30,7 +30,14 @@ pub fn locate(loaded: &LoadedScene, fault: &SceneFault) -> SceneError {
             card(*ball).to_owned(),
             format!("{:?} reaches {depth:e} m into wall {i} ({}): move it inside", name(*ball), wall(*i)),
         ),
-        SceneFault::TooCurved { ball, .. } => (card(*ball).to_owned(), fault.to_string()),
+        SceneFault::TooCurved { ball, lo, hi, u, v } => (
+            format!("{}.radius_m", card(*ball)),
+            format!(
+                "the floor's curvature times the radius of {:?} reaches {lo:.6} to {hi:.6} near u = {u}, v = {v}: it must \
+                 stay below 1, so use a smaller ball or a flatter floor",
+                name(*ball)
+            ),
+        ),
         SceneFault::OpenBorder { .. } => ("walls".to_owned(), fault.to_string()),
         SceneFault::Degenerate { .. } => ("floor".to_owned(), fault.to_string()),
     };
