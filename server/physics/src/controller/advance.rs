@@ -1,17 +1,20 @@
 //! An advance: the first event of all, again and again, until the caller's time.
 
 use super::Controller;
+use crate::diagnostics::Report;
 use crate::motion::arc::Path;
 use crate::motion::law::State;
 use crate::schedule::event::{Next, What};
 use crate::schedule::time::Time;
 
 impl Controller {
-    /// Advances to `time`: every hit up to and including it is resolved. Earlier times do nothing.
-    pub fn advance_to(&mut self, time: Time) {
+    /// Advances to `time`: every hit up to and including it is resolved. Earlier times do nothing. Returns what
+    /// happened; the hits themselves are in [`Self::hits`], the energy in [`Self::energy`].
+    pub fn advance_to(&mut self, time: Time) -> Report {
         self.hits.clear();
+        let before = self.report;
         if time <= self.time {
-            return;
+            return Report::default();
         }
         self.time = time;
         loop {
@@ -24,6 +27,7 @@ impl Controller {
             self.take(ball, &next);
         }
         self.observe();
+        self.report.since(&before)
     }
 
     fn take(&mut self, ball: usize, next: &Next) {
