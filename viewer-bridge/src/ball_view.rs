@@ -189,6 +189,9 @@ fn distance(a: [u8; 3], b: [u8; 3]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::Moment;
+    use crate::testing;
+    use rerun::log::{Chunk, LogMsg};
 
     fn roster(count: usize) -> Roster {
         Roster {
@@ -214,6 +217,35 @@ mod tests {
         let view = BallView::of(&roster(MAX_MESHES + 1));
         assert_eq!((view.points.len(), view.groups()), (MAX_MESHES, 1));
         assert_eq!(view.groups[0].members, [3]);
+    }
+
+    #[test]
+    fn points_keep_their_looks_and_move_with_every_state() {
+        let count = MAX_MESHES + 1;
+        let roster = roster(count);
+        let view = BallView::of(&roster);
+        let (rec, storage) = testing::recording();
+        view.log_roster(&rec, &roster, 0).unwrap();
+        let state = Snapshot {
+            center_m: vec![[0.0; 3]; count],
+            orientation_xyzw: vec![[0.0, 0.0, 0.0, 1.0]; count],
+            ..Snapshot::default()
+        };
+        for tick in 0..10 {
+            rec.at(Moment { tick, ..Moment::default() });
+            view.log_state(&rec, &state, |_| Ring { center: Vector3::zeros(), normal: Vector3::z() })
+                .unwrap();
+        }
+        rec.stream().flush_blocking().unwrap();
+        let (mut looks, mut moves) = (0, 0);
+        for message in storage.take() {
+            let LogMsg::ArrowMsg(_, arrow) = message else { continue };
+            let chunk = Chunk::from_arrow_msg(&arrow).unwrap();
+            if chunk.entity_path().to_string() == format!("/{POINTS}") {
+                *(if chunk.is_static() { &mut looks } else { &mut moves }) += chunk.num_rows();
+            }
+        }
+        assert_eq!((looks, moves), (1, 10));
     }
 
     #[test]

@@ -86,8 +86,9 @@ impl Bridge {
 
     /// Ends all recordings within a bound. Returns whether all of it was written.
     pub fn stop(self) -> bool {
-        // One after the other; the file is first, and only a viewer can use up its time.
-        self.loggers.into_iter().fold(true, |written, logger| logger.stop() && written)
+        // Every one is stopped, in turn; the file is first, and only a viewer can use up its time.
+        let written: Vec<bool> = self.loggers.into_iter().map(Logger::stop).collect();
+        !written.contains(&false)
     }
 }
 
@@ -102,14 +103,18 @@ pub fn pump(client: &Client, slots: &[Arc<Slot>]) -> Result<()> {
         match follower.next_within(LOOK_AROUND)? {
             Some(Update::World(world)) => {
                 let world: Arc<_> = (*world).into();
-                slots.iter().for_each(|slot| slot.world(world.clone()));
+                for slot in slots {
+                    slot.world(world.clone());
+                }
                 if std::mem::take(&mut lost) {
                     tell(slots, false, "the server is back");
                 }
             }
             Some(Update::State(state)) => {
                 let state: Arc<_> = (*state).into();
-                slots.iter().for_each(|slot| slot.state(state.clone()));
+                for slot in slots {
+                    slot.state(state.clone());
+                }
             }
             Some(Update::Gone) => {
                 lost = true;
@@ -119,18 +124,24 @@ pub fn pump(client: &Client, slots: &[Arc<Slot>]) -> Result<()> {
         }
         for _ in 0..MESSAGES_A_LOOK {
             let Some(batch) = events.try_recv()? else { break };
-            slots.iter().for_each(|slot| slot.hits(batch.events.iter().cloned()));
+            for slot in slots {
+                slot.hits(batch.events.iter().cloned());
+            }
         }
         for _ in 0..MESSAGES_A_LOOK {
             let Some(stats) = stats.try_recv()? else { break };
-            slots.iter().for_each(|slot| slot.stats(stats.clone()));
+            for slot in slots {
+                slot.stats(stats.clone());
+            }
         }
     }
     Ok(())
 }
 
 fn tell(slots: &[Arc<Slot>], warning: bool, text: &str) {
-    slots.iter().for_each(|slot| slot.note(warning, text));
+    for slot in slots {
+        slot.note(warning, text);
+    }
     if warning { tracing::warn!("{text}") } else { tracing::info!("{text}") }
 }
 

@@ -28,7 +28,7 @@ impl Tessellation {
     /// The fewest cells whose sagitta is at most `wanted_m`, within [`MAX_TRIANGLES`].
     ///
     /// Linear interpolation on a right triangle with legs 1/n and 1/m errs by at most
-    /// (|S_uu|/n^2 + 2 |S_uv|/(n m) + |S_vv|/m^2) / 8 (Filip, Magedson and Markot 1986).
+    /// `(|S_uu|/n^2 + 2 |S_uv|/(n m) + |S_vv|/m^2) / 8` (Filip, Magedson and Markot 1986).
     pub fn of(surface: &Surface, wanted_m: f64) -> Self {
         let [uu, uv, vv] = surface.second_derivative_bounds();
         let sagitta = |[n, m]: [f64; 2]| (uu / (n * n) + 2.0 * uv / (n * m) + vv / (m * m)) / 8.0;

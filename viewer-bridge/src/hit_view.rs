@@ -111,7 +111,9 @@ mod tests {
     #[test]
     fn a_harder_hit_flashes_larger_within_bounds() {
         let mut view = HitView::of(&testing::original().roster);
-        [0.0, 5.0, 50.0, 1e9].iter().for_each(|impulse| view.add(&hit(0.0, *impulse)));
+        for impulse in [0.0, 5.0, 50.0, 1e9] {
+            view.add(&hit(0.0, impulse));
+        }
         let radii: Vec<f64> = view.flashes.iter().map(|f| f.radius_m).collect();
         assert!(radii.is_sorted() && radii[0] > 0.0 && radii[3] < 1.0, "{radii:?}");
     }

@@ -48,7 +48,7 @@ impl Logger {
         self.slot.clone()
     }
 
-    /// Ends the stream after what waits in the slot, and waits for that up to [`FLUSH_PATIENCE`]. Returns whether
+    /// Ends the stream after what waits in the slot, and waits for that for two seconds at most. Returns whether
     /// everything was written.
     pub fn stop(self) -> bool {
         self.slot.close();

@@ -90,9 +90,12 @@ impl Plots {
         rec.log(SPEED, &Scalars::new([stats.real_time_factor, wanted]))
     }
 
-    /// Hits per simulated second over the last [`HIT_WINDOW_S`]; None while time stands.
+    /// Hits per simulated second over the last [`HIT_WINDOW_S`]; None before time has gone on.
     fn hit_rates(&mut self, state: &Snapshot) -> Option<[f64; 2]> {
-        self.hits.push_back((state.time_s, state.collisions));
+        // A clock that stands adds no samples, so that the window outlives a pause.
+        if self.hits.back().is_none_or(|(time, _)| *time < state.time_s) {
+            self.hits.push_back((state.time_s, state.collisions));
+        }
         let outside = |sample: Option<&(f64, Collisions)>| {
             sample.is_some_and(|(t, _)| state.time_s - t >= HIT_WINDOW_S)
         };
@@ -146,7 +149,7 @@ mod tests {
             assert!((rates[0] - 30.0).abs() < 1e-9 && (rates[1] - 60.0).abs() < 1e-9, "{rates:?}");
         }
         assert!(plots.hits.len() <= 12);
-        // The clock stands: the samples stay bounded.
+        // The clock stands, and so do the rates.
         (0..5000).for_each(|_| assert!(plots.hit_rates(&state(4.0, 120)).is_some()));
         assert!(plots.hits.len() <= MAX_SAMPLES);
     }

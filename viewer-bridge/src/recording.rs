@@ -59,7 +59,9 @@ impl Recording {
             self.stream.send_blueprint(messages, activation);
             return;
         };
-        messages.into_iter().for_each(|message| sink.send(message));
+        for message in messages {
+            sink.send(message);
+        }
         sink.send(activation.into());
         self.stream.set_sink(sink);
     }
@@ -89,5 +91,36 @@ impl Recording {
         what: &impl AsComponents,
     ) -> RecordingStreamResult<()> {
         self.stream.log_static(path, what)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blueprint;
+    use crate::scene_view::Extent;
+    use rerun::RecordingStreamBuilder;
+    use rerun::sink::CallbackSink;
+    use std::sync::{Arc, Mutex};
+
+    #[test]
+    fn a_viewer_hears_of_the_layout_before_the_recording() {
+        let heard = Arc::new(Mutex::new(Vec::new()));
+        let ears = heard.clone();
+        let sink =
+            CallbackSink::new(move |messages: &[LogMsg]| ears.lock().unwrap().extend_from_slice(messages));
+        let stream = RecordingStreamBuilder::new("ballroom_test").buffered().unwrap();
+        let mut recording = Recording::into_sink(stream, Box::new(sink));
+        recording.log("early", &rerun::TextLog::new("before the layout")).unwrap();
+        assert!(heard.lock().unwrap().is_empty());
+
+        blueprint::send(&mut recording, Extent { lowest: [0.0; 3], highest: [1.0; 3] }).unwrap();
+        recording.stream().flush_blocking().unwrap();
+        let heard = heard.lock().unwrap();
+        let first = heard.iter().position(|message| message.store_id().is_recording()).unwrap();
+        let (layout, data) = heard.split_at(first);
+        assert!(matches!(layout.last(), Some(LogMsg::BlueprintActivationCommand(_))));
+        assert!(matches!(data.first(), Some(LogMsg::SetStoreInfo(_))) && data.len() > 1);
+        assert!(data.iter().all(|message| message.store_id().is_recording()));
     }
 }

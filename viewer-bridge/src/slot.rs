@@ -233,7 +233,7 @@ mod tests {
         let slot = Slot::default();
         slot.state(state(1));
         slot.close();
-        assert!(slot.take(Duration::from_secs(60)).unwrap().state.is_some());
-        assert!(slot.take(Duration::from_secs(60)).is_none());
+        assert!(slot.take(Duration::from_mins(1)).unwrap().state.is_some());
+        assert!(slot.take(Duration::from_mins(1)).is_none());
     }
 }

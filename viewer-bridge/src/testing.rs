@@ -2,7 +2,7 @@
 
 use crate::recording::Recording;
 use crate::surface::Surface;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 use protocol::scene::{Accuracy, Floor, Motion, Scene, Steering, Walls};
 use protocol::snapshot::{Collisions, Roster, Snapshot, World};
 use rerun::RecordingStreamBuilder;
@@ -74,7 +74,7 @@ impl Ride {
             self.orientations[ball] = UnitQuaternion::from_scaled_axis(turn) * self.orientations[ball];
         }
         self.last.clone_from(&centers);
-        let xyzw = |q: &UnitQuaternion<f64>| -> [f64; 4] { Quaternion::from(*q.quaternion()).coords.into() };
+        let xyzw = |q: &UnitQuaternion<f64>| -> [f64; 4] { q.coords.into() };
         Snapshot {
             epoch: 1,
             tick,

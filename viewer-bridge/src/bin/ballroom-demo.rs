@@ -114,8 +114,12 @@ fn join(arguments: &Arguments, abort: &Abort, arena: &ArenaHandle, bridge: &Brid
     })?;
     let own = Arc::new(Slot::default());
     let slots = [bridge.slots(), vec![own.clone()]].concat();
-    let carrier = client.clone();
-    let pumping = std::thread::Builder::new().name("pump".into()).spawn(move || pump(&carrier, &slots))?;
+    let (carrier, end) = (client.clone(), abort.clone());
+    let pumping = std::thread::Builder::new().name("pump".into()).spawn(move || {
+        let result = pump(&carrier, &slots);
+        end.abort();
+        result
+    })?;
 
     if let Some(live) = bridge.live() {
         live.announce();

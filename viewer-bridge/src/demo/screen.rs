@@ -27,8 +27,13 @@ impl RawMode {
         }
         let tell = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |panic| {
-            restore();
-            tell(panic);
+            if std::thread::current().name() == Some("main") {
+                restore();
+                tell(panic);
+            } else {
+                // The others do not own the terminal; what they leave undone is seen and ends the program.
+                tracing::error!("{panic}");
+            }
         }));
         terminal::enable_raw_mode()?;
         let guard = Self(());
@@ -47,14 +52,12 @@ impl RawMode {
     }
 
     /// Whether the terminal tells when a key is let go.
-    #[expect(clippy::unused_self, reason = "only a terminal that was taken over has been asked")]
     pub fn reports_releases(&self) -> bool {
         lock().releases
     }
 
     /// Shows a status line in place of the last one, cut to the terminal's width. The tail is shown if all of it
     /// fits: half an address is none.
-    #[expect(clippy::unused_self, reason = "there is a status line only while the terminal is taken over")]
     pub fn show(&self, status: &str, tail: &str) -> io::Result<()> {
         let width = terminal::size().map_or(80, |(columns, _)| usize::from(columns));
         let mut screen = lock();
