@@ -13,7 +13,7 @@
 //! | `time_s` | f64 | s | | | |
 //! | `wall_ns` | unsigned | ns since 1970 | | | |
 //! | `paused` | bool | | | | |
-//! | `energy_j` | f64 | J | | | |
+//! | `energy_j`, `steering_work_j` | f64 | J | | | |
 //! | `collisions` | map `ball_ball`, `ball_wall` | hits | | | |
 //! | `state_hash` | unsigned, 64 bits | | | | |
 //! | `uv` | typed array | | 2 | f64 | f64 |
@@ -108,6 +108,7 @@ struct Frame<B> {
     wall_ns: u64,
     paused: bool,
     energy_j: f64,
+    steering_work_j: f64,
     collisions: Collisions,
     state_hash: u64,
     uv: Captured<B>,
@@ -284,6 +285,7 @@ impl Arrays {
             wall_ns: snapshot.wall_ns,
             paused: snapshot.paused,
             energy_j: snapshot.energy_j,
+            steering_work_j: snapshot.steering_work_j,
             collisions: snapshot.collisions,
             state_hash: snapshot.state_hash,
             uv: places(&self.uv),
@@ -308,8 +310,8 @@ impl Frame<ByteBuf> {
         if self.v != FRAME_VERSION {
             return Err(CodecError::Version(self.v));
         }
-        if !(self.time_s.is_finite() && self.energy_j.is_finite()) {
-            return Err(CodecError::NotFinite("time_s or energy_j"));
+        if ![self.time_s, self.energy_j, self.steering_work_j].iter().all(|x| x.is_finite()) {
+            return Err(CodecError::NotFinite("time_s, energy_j or steering_work_j"));
         }
         let center_m = from_bytes("center_m", &self.center_m, None)?;
         let n = Some(center_m.len());
@@ -320,6 +322,7 @@ impl Frame<ByteBuf> {
             wall_ns: self.wall_ns,
             paused: self.paused,
             energy_j: self.energy_j,
+            steering_work_j: self.steering_work_j,
             collisions: self.collisions,
             state_hash: self.state_hash,
             uv: from_bytes("uv", &self.uv, n)?,

@@ -21,15 +21,19 @@ fn snapshot(balls: usize) -> impl Strategy<Value = Snapshot> {
         proptest::collection::vec(proptest::array::uniform3(single()), balls),
         proptest::collection::vec(proptest::array::uniform4(single()), balls),
     );
-    let heads = (any::<[u64; 6]>(), any::<bool>(), number(), number());
+    let heads = (any::<[u64; 6]>(), any::<bool>(), number(), (number(), number()));
     (heads, arrays).prop_map(
-        |((whole, paused, time_s, energy_j), (uv, center, velocity, omega, orientation))| Snapshot {
+        |(
+            (whole, paused, time_s, (energy_j, steering_work_j)),
+            (uv, center, velocity, omega, orientation),
+        )| Snapshot {
             epoch: whole[0],
             tick: whole[1],
             time_s,
             wall_ns: whole[2],
             paused,
             energy_j,
+            steering_work_j,
             collisions: Collisions { ball_ball: whole[3], ball_wall: whole[4] },
             state_hash: whole[5],
             uv,

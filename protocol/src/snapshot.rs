@@ -18,6 +18,8 @@ pub struct Snapshot {
     pub paused: bool,
     /// Total energy: translation, rotation, height.
     pub energy_j: f64,
+    /// Energy that players have put in since the epoch began; energy less this is constant while hits are elastic.
+    pub steering_work_j: f64,
     /// Ball-ball and ball-wall hits since the epoch began.
     pub collisions: Collisions,
     /// Hash of everything that influences the future; 16 hexadecimal digits in JSON, where not every reader holds 64 bits.

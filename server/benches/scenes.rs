@@ -19,7 +19,15 @@ fn main() {
     let scenes = if named.is_empty() { built_in_names().map(str::to_owned).collect() } else { named };
     println!(
         "{:<24}{:>7}{:>12}{:>10}{:>12}{:>12}{:>10}{:>13}{:>12}",
-        "scene", "balls", "% of a core", "us/tick", "ball-ball/s", "ball-wall/s", "steps/s", "energy error", "overlap/r"
+        "scene",
+        "balls",
+        "% of a core",
+        "us/tick",
+        "ball-ball/s",
+        "ball-wall/s",
+        "steps/s",
+        "energy error",
+        "overlap/r"
     );
     for scene in scenes {
         match measure(&scene) {

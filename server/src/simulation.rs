@@ -127,6 +127,7 @@ impl Simulation {
         out.tick = self.tick;
         out.time_s = self.controller.time().seconds();
         out.energy_j = self.controller.energy();
+        out.steering_work_j = self.controller.steering_work();
         out.collisions = collisions(report.collisions);
         out.state_hash = self.controller.state_hash();
         let balls = self.controller.balls();

@@ -53,7 +53,7 @@ fn layout() -> Blueprint {
     let left = Vertical::new([room.into(), log.into()]).with_row_shares([5.0, 1.0]);
     let server = [plot("Tick time [ms]", plots::TICK_TIME), plot("Speed", plots::SPEED)];
     let right = Vertical::new([
-        plot("Energy since the start, relative", plots::ENERGY),
+        plot("Energy drift since the start, relative", plots::ENERGY),
         plot("Hits per simulated second", plots::HITS),
         Horizontal::new(server).into(),
         plot("Bridge [states / s]", plots::BRIDGE),

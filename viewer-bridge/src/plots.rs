@@ -38,7 +38,7 @@ impl Plots {
     /// Names and colours of all lines, for all time.
     pub fn log_names(rec: &Recording) -> RecordingStreamResult<()> {
         let lines: [(&str, &[(&str, u32)]); 5] = [
-            (ENERGY, &[("(E - E0) / |E0|", 0xF4A6_3AFF)]),
+            (ENERGY, &[("(E - E0 - work of players) / |E0|", 0xF4A6_3AFF)]),
             (HITS, &[("ball-ball / s", 0xE45C_5CFF), ("ball-wall / s", 0x5C9E_E4FF)]),
             (TICK_TIME, &[("median ms", 0x6FCF_7FFF), ("99 % ms", 0xF2C1_4EFF), ("max ms", 0xE45C_5CFF)]),
             (SPEED, &[("reached", 0x5CD6_C0FF), ("wanted", 0x9090_90FF)]),
@@ -69,14 +69,16 @@ impl Plots {
         state: &Snapshot,
         counts: Counts,
     ) -> RecordingStreamResult<()> {
-        let first = *self.first_energy_j.get_or_insert(state.energy_j);
+        // What players put in is no drift.
+        let energy_j = state.energy_j - state.steering_work_j;
+        let first = *self.first_energy_j.get_or_insert(energy_j);
         if self.logged_ns.is_some_and(|last| state.wall_ns.abs_diff(last) < LOG_EVERY_NS) {
             return Ok(());
         }
         self.logged_ns = Some(state.wall_ns);
         // A scene may start with no energy at all: then the change itself is shown, in joules.
         let scale = if first == 0.0 { 1.0 } else { first.abs() };
-        rec.log(ENERGY, &Scalars::single((state.energy_j - first) / scale))?;
+        rec.log(ENERGY, &Scalars::single((energy_j - first) / scale))?;
         if let Some(rates) = self.hit_rates(state) {
             rec.log(HITS, &Scalars::new(rates))?;
         }

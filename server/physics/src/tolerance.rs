@@ -84,6 +84,8 @@ pub const CLUSTER_SATISFIED: f64 = 1e-14;
 
 /// Halvings of an interval before a root is taken as a touch without crossing.
 pub const ROOT_DEPTH_MAX: u32 = 48;
+/// Intervals looked at for one root. A graze to the last bit needs some hundred; noise would need any number.
+pub const ROOT_INTERVALS_MAX: u32 = 1024;
 /// Newton and bisection steps of one root.
 pub const ROOT_STEPS_MAX: u32 = 80;
 

@@ -24,11 +24,12 @@ impl Status {
     pub fn update(&mut self, news: &News) {
         let states = [news.world.as_ref().map(|world| &world.snapshot), news.state.as_deref()];
         for state in states.into_iter().flatten() {
+            let energy_j = state.energy_j - state.steering_work_j;
             if !self.seen || self.epoch != state.epoch {
-                (self.seen, self.epoch, self.first_energy_j) = (true, state.epoch, state.energy_j);
+                (self.seen, self.epoch, self.first_energy_j) = (true, state.epoch, energy_j);
             }
             (self.paused, self.tick, self.time_s) = (state.paused, state.tick, state.time_s);
-            (self.collisions, self.energy_j) = (state.collisions, state.energy_j);
+            (self.collisions, self.energy_j) = (state.collisions, energy_j);
         }
         if let Some(stats) = &news.stats {
             self.speed_factor = Some(stats.speed_factor);
@@ -53,7 +54,7 @@ impl Status {
         let Collisions { ball_ball, ball_wall } = self.collisions;
         format!(
             "{state} x{speed:<4} reached {reached} | tick {} {:.1} s | hits: balls {ball_ball}, walls {ball_wall} \
-             | energy {energy:+.0e}",
+             | energy drift {energy:+.0e}",
             self.tick, self.time_s
         )
     }
@@ -77,10 +78,10 @@ mod tests {
         status.update(&state(1, 200.0));
         status.update(&state(1, 201.0));
         let line = status.line(1.0);
-        for part in ["running", "x1 ", "tick 90 1.5 s", "balls 3, walls 8", "energy +5e-3"] {
+        for part in ["running", "x1 ", "tick 90 1.5 s", "balls 3, walls 8", "energy drift +5e-3"] {
             assert!(line.contains(part), "{part} in {line}");
         }
         status.update(&state(2, 100.0));
-        assert!(status.line(1.0).contains("energy +0e0"));
+        assert!(status.line(1.0).contains("energy drift +0e0"));
     }
 }

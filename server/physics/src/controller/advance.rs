@@ -63,15 +63,20 @@ impl Controller {
     /// Closes the present arc and puts the ball on a new one. Its predictions by others stay true only if it goes
     /// on as before, which is when `slope` is given.
     pub(super) fn relaunch(&mut self, ball: usize, time: Time, state: &State, slope: Option<&State>) {
-        let arc = &self.arcs[ball];
-        let dt = time.since(arc.start);
-        let orientation = arc.orientation_at(dt);
-        self.report.negative_reaction += arc.negative_reaction(dt);
+        self.close_arc(ball, time);
         self.launch(ball, time, state, slope);
-        self.arcs[ball].orientation = orientation;
     }
 
-    /// Puts a ball on a new arc.
+    /// Takes stock of the present arc at its end, and keeps the orientation for the next.
+    pub(super) fn close_arc(&mut self, ball: usize, time: Time) {
+        self.report.steering_work += self.work_of_force(ball, time);
+        let arc = &mut self.arcs[ball];
+        let dt = time.since(arc.start);
+        self.report.negative_reaction += arc.negative_reaction(dt);
+        arc.orientation = arc.orientation_at(dt);
+    }
+
+    /// Puts a ball on a new arc, which keeps the orientation.
     pub(super) fn launch(&mut self, ball: usize, time: Time, state: &State, slope: Option<&State>) {
         let b = &mut self.balls[ball];
         let before = b.stepping.steps;

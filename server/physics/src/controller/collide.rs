@@ -350,11 +350,9 @@ impl Controller {
 
     /// Lets a ball stand until the quantum ends. Its kinetic energy is lost; nothing is gained, nothing overlaps.
     fn hold(&mut self, ball: usize, time: Time, state: &State) {
-        let arc = &mut self.arcs[ball];
-        let dt = time.since(arc.start);
-        self.report.negative_reaction += arc.negative_reaction(dt);
-        arc.orientation = arc.orientation_at(dt);
+        self.close_arc(ball, time);
         self.report.fallbacks += 1;
+        let arc = &mut self.arcs[ball];
         let length = Time::of_quantum(time.quantum()).after(QUANTUM).since(time);
         let b = &mut self.balls[ball];
         b.body.hold(&self.surface, (time, state), length, arc);

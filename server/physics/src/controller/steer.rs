@@ -26,6 +26,8 @@ impl Controller {
             after *= limit / speed;
         }
         state[2..5].copy_from_slice(after.as_slice());
+        let gain = 0.5 * (after.norm_squared() - before.norm_squared()) / self.balls[ball].inverse_mass;
+        self.report.steering_work += gain;
         self.set_off(ball, &state);
     }
 
@@ -40,8 +42,9 @@ impl Controller {
         }
         let state = self.cut(ball);
         self.balls[ball].drive = drive;
-        self.balls[ball].body.applied = self.applied(ball, &state, self.time);
-        self.set_off(ball, &state);
+        let applied = self.applied(ball, &state, self.time);
+        self.change_force(ball, self.now, &state, applied);
+        self.observe();
     }
 
     /// The ball's state at the caller's time, integrated to it.
@@ -58,6 +61,24 @@ impl Controller {
         self.observe();
     }
 
+    /// Energy that pushes and held forces have put in until the controller's time, J. Total energy less this is
+    /// constant while every hit is elastic.
+    pub fn steering_work(&self) -> f64 {
+        let running: f64 = (0..self.balls.len()).map(|ball| self.work_of_force(ball, self.time)).sum();
+        self.report.steering_work + running
+    }
+
+    /// Work of the held force along the present arc until `time`, J: the force is constant on an arc.
+    pub(super) fn work_of_force(&self, ball: usize, time: Time) -> f64 {
+        let b = &self.balls[ball];
+        let force = (b.body.applied - self.gravity) * b.mass;
+        if force == V3::zeros() {
+            return 0.0;
+        }
+        let arc = &self.arcs[ball];
+        force.dot(&(arc.center_at(time.since(arc.start)) - arc.center[0]))
+    }
+
     /// At the start of a quantum: the force for the next one. True if it changed and the ball was relaunched.
     pub(super) fn steer_anew(&mut self, ball: usize, time: Time) -> bool {
         let arc = &self.arcs[ball];
@@ -67,15 +88,22 @@ impl Controller {
             return false;
         }
         let state = arc.land(&self.balls[ball].body, &self.surface, self.accuracy, dt).0;
-        self.balls[ball].body.applied = self.applied(ball, &state, time);
-        self.relaunch(ball, time, &state, None);
-        self.predict(ball);
+        let applied = self.applied(ball, &state, time);
+        self.change_force(ball, time, &state, applied);
         true
+    }
+
+    /// Closes the arc under the old force, then goes on under the new one.
+    fn change_force(&mut self, ball: usize, time: Time, state: &State, applied: V3) {
+        self.close_arc(ball, time);
+        self.balls[ball].body.applied = applied;
+        self.launch(ball, time, state, None);
+        self.predict(ball);
     }
 
     /// Acceleration of gravity and of the held force until the quantum ends. The force is constant for a whole
     /// quantum, whatever the tick rate. Near the limit its part along the motion is cut so that a quantum of it
-    /// cannot pass the limit; where only gravity raises the speed, that part is gone.
+    /// cannot pass the limit, nor raise a speed that gravity brought above it.
     fn applied(&self, ball: usize, state: &State, time: Time) -> V3 {
         let b = &self.balls[ball];
         let Some(drive) = b.drive else { return self.gravity };
@@ -89,11 +117,17 @@ impl Controller {
         if speed + gain <= drive.speed_limit {
             return self.gravity + push;
         }
-        // What the force may still add along the motion; across it the speed grows only to second order, and the
-        // next quantum makes up for it.
+        // (v + a t)^2 + (b t)^2 <= top^2 for the parts a along and b across the motion, at the quantum's end and,
+        // the left side being convex in t, before it.
         let direction = if speed > 0.0 { w / speed } else { V3::zeros() };
+        let top = drive.speed_limit.max(speed);
         let along = force.dot(&direction);
-        let allowed = ((drive.speed_limit - speed) / left).max(0.0);
+        let across = (force - direction * along) * left;
+        let room = top * top - across.norm_squared();
+        if room <= 0.0 {
+            return self.gravity;
+        }
+        let allowed = (room.sqrt() - speed) / left;
         let cut = if along > allowed { direction * (along - allowed) } else { V3::zeros() };
         self.gravity + (force - cut)
     }

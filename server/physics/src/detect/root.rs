@@ -3,7 +3,7 @@
 //! A polynomial lies in the convex hull of its Bernstein coefficients, so that coefficients without a sign
 //! change mean no root, one change means one root, and more mean: halve and look again.
 
-use crate::tolerance::{ROOT_DEPTH_MAX, ROOT_STEPS_MAX};
+use crate::tolerance::{ROOT_DEPTH_MAX, ROOT_INTERVALS_MAX, ROOT_STEPS_MAX};
 
 /// Where in [0, 1] the polynomial with Bernstein coefficients `b` first turns negative, as a bracket
 /// (not negative at its left, negative at its right). `b[0] >= 0` is the caller's promise; a zero that is
@@ -11,11 +11,20 @@ use crate::tolerance::{ROOT_DEPTH_MAX, ROOT_STEPS_MAX};
 pub fn first_descent<const N: usize>(b: &[f64; N]) -> Option<[f64; 2]> {
     // Depth-first, left half first: at most one right half waits at each depth.
     let mut waiting = [([0.0; N], 0.0_f64, 0.0_f64); ROOT_DEPTH_MAX as usize + 1];
+    if !b.iter().all(|x| x.is_finite()) {
+        return None;
+    }
     let mut count = 1;
     waiting[0] = (*b, 0.0, 1.0);
+    let mut looked_at = 0;
     while count > 0 {
         count -= 1;
         let (c, left, width) = waiting[count];
+        looked_at += 1;
+        if looked_at > ROOT_INTERVALS_MAX {
+            // Rounding noise around zero: the two are in contact here, and whoever lands finds out.
+            return Some([left, left + width]);
+        }
         if c.iter().all(|x| *x >= 0.0) {
             continue;
         }

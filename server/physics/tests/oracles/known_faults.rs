@@ -252,3 +252,39 @@ fn a_push_lies_in_the_tangent_plane_and_never_raises_a_speed_above_the_limit() {
         engine.advance_to(Time::of_seconds(f64::from(second)));
     }
 }
+
+/// On the level floor only the force raises a speed, so that the limit shows bare.
+#[test]
+fn a_held_force_never_raises_a_speed_above_the_limit() {
+    let mut scene = graph(40.0, &[], MotionLaw::Rolling);
+    scene.balls = vec![moving("a", 0.5, center(-30.0, 0.0), 1.0, 3.0)];
+    let mut engine = load(&scene);
+    let drive = Drive { direction: Vector2::x(), acceleration: 4.0, speed_limit: 5.0 };
+    engine.drive(0, Some(drive));
+    let mut fastest = 0.0_f64;
+    for tick in 1..=600 {
+        engine.advance_to(Time::of_tick(tick, 60));
+        fastest = fastest.max(engine.balls()[0].velocity.norm());
+    }
+    assert!((4.99..=5.0 + 1e-12).contains(&fastest), "{fastest}");
+}
+
+#[test]
+fn the_energy_that_players_put_in_is_accounted_for() {
+    let mut engine = load(&original());
+    let before = engine.energy();
+    for second in 0..20_u64 {
+        let direction = Vector2::new(0.6, if second % 2 == 0 { 0.8 } else { -0.8 });
+        match second % 4 {
+            0 => engine.push(1, direction, 8.0),
+            1 | 2 => engine.drive(1, Some(Drive { direction, acceleration: 4.0, speed_limit: 8.0 })),
+            _ => engine.drive(1, None),
+        }
+        for tick in 1..=60 {
+            engine.advance_to(Time::of_tick(second * 60 + tick, 60));
+            let drift = engine.energy() - engine.steering_work() - before;
+            assert!(drift.abs() < 1e-10 * before, "second {second}, tick {tick}: {drift:e} J");
+        }
+    }
+    assert!(engine.steering_work().abs() > 1.0, "the player did something");
+}
