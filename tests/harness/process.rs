@@ -160,7 +160,9 @@ impl Lines {
 
     /// Everything, once the writer has ended.
     fn all(&mut self) -> String {
-        self.reader.take().map(|reader| reader.join().expect("reading does not panic"));
+        if let Some(reader) = self.reader.take() {
+            reader.join().expect("reading does not panic");
+        }
         self.text()
     }
 }

@@ -127,15 +127,15 @@ fn every_subcommand_reaches_the_server() {
     ] {
         let output = server.tool(arguments);
         assert_eq!(output.code, Some(0), "{arguments:?}: {}", output.stderr);
-        assert!(output.stdout.starts_with("done at tick ") && output.stdout.ends_with(&format!(" of epoch {epoch}\n")));
+        assert!(
+            output.stdout.starts_with("done at tick ")
+                && output.stdout.ends_with(&format!(" of epoch {epoch}\n"))
+        );
     }
     let watched = server.tool(&["watch", "--json", "--count", "5"]);
     assert_eq!(watched.code, Some(0), "{}", watched.stderr);
-    let ticks: Vec<u64> = watched
-        .stdout
-        .lines()
-        .map(|line| serde_json::from_str::<tests::State>(line).unwrap().tick)
-        .collect();
+    let ticks: Vec<u64> =
+        watched.stdout.lines().map(|line| serde_json::from_str::<tests::State>(line).unwrap().tick).collect();
     assert!(ticks.len() == 5 && ticks.is_sorted(), "{ticks:?}");
 }
 
@@ -153,9 +153,13 @@ fn python_reads_states_and_sends_keys() {
     let server = Server::start(&["original"]);
     let client = server.client();
     let mut python = Shell::new("python3");
-    python
-        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/../protocol/client/python/ballroom_keys.py"))
-        .args(["-e", server.endpoint(), "up", "up", "left"]);
+    python.arg(concat!(env!("CARGO_MANIFEST_DIR"), "/../protocol/client/python/ballroom_keys.py")).args([
+        "-e",
+        server.endpoint(),
+        "up",
+        "up",
+        "left",
+    ]);
     let output = Process::spawn("ballroom_keys.py".into(), python).end(PATIENCE);
     assert_eq!(output.code, Some(0), "{}{}", output.stdout, output.stderr);
     let lines: Vec<&str> = output.stdout.lines().collect();

@@ -110,7 +110,9 @@ fn malformed_oversized_and_unknown_input_leaves_the_state_equal_to_an_undisturbe
         refused += 1;
     }
     // A command without content, a player without a name, a deleted key.
-    assert!(String::from_utf8(ask(&client, &keys.srv_command(), None).unwrap()).unwrap().contains("\"ok\":false"));
+    assert!(
+        String::from_utf8(ask(&client, &keys.srv_command(), None).unwrap()).unwrap().contains("\"ok\":false")
+    );
     put(&client, "ballroom/v1/main/cmd/NOBODY", br#"{"key":"up"}"#);
     client.session().delete(keys.cmd(&"junk".parse().unwrap())).wait().unwrap();
     refused += 3;

@@ -7,7 +7,10 @@ use std::time::Duration;
 use tests::{PATIENCE, Process, Server, connect, turn, until};
 
 fn port_of(endpoint: &str) -> u16 {
-    endpoint.strip_prefix("tcp/127.0.0.1:").and_then(|port| port.parse().ok()).expect("an endpoint on loopback")
+    endpoint
+        .strip_prefix("tcp/127.0.0.1:")
+        .and_then(|port| port.parse().ok())
+        .expect("an endpoint on loopback")
 }
 
 /// Whether a port can be listened on, hence nobody was left behind who holds it.

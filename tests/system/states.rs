@@ -109,7 +109,6 @@ fn a_stalled_subscriber_does_not_disturb_a_healthy_one() {
         let tick: u64 = last.split_whitespace().nth(1)?.parse().ok()?;
         (lines > lines_before && tick > newest).then_some(())
     });
-    assert!(client.stats().unwrap().tick > newest);
 }
 
 #[test]

@@ -58,7 +58,12 @@ const BROKEN: [(&str, &str, &str, &str); 19] = [
     ("mass_kg = 2.0", "mass_kg = -2.0", ":17:1: ball[1].mass_kg: is -2", "use a number from"),
     ("center_m = [3.0, 0.0]", "center_m = [3.0, 1e300]", ":18:18: ball[1].center_m[1]: is 1", "use a number"),
     ("center_m = [3.0, 0.0]", "center_m = [3.0]", ":18:12: ball[1].center_m", "array of length 2"),
-    ("center_m = [3.0, 0.0]\n", "", ":14:1: ball[1]: has 0 places", "exactly one of center_m, contact_m and uv"),
+    (
+        "center_m = [3.0, 0.0]\n",
+        "",
+        ":14:1: ball[1]: has 0 places",
+        "exactly one of center_m, contact_m and uv",
+    ),
     ("name = \"two\"", "name = \"one\"", ":15:1: ball[1].name: is \"one\"", "a name of its own"),
     ("[3.0, 0.0]", "[0.75, 0.0]", ":14:1: ball[1]: \"two\" overlaps \"one\"", "move them apart"),
     ("[3.0, 0.0]", "[4.75, 0.0]", ":14:1: ball[1]: \"two\" reaches", "move it inside"),
