@@ -1,1 +1,24 @@
-//! Placeholder.
+//! What the tests of the whole system stand on: programs as processes, a server with an address, recordings read back.
+//!
+//! | file | what |
+//! |---|---|
+//! | `process` | a program of this workspace, running; it cannot outlive its test |
+//! | `server` | `ballroom serve` on a free port, and its twin without a network |
+//! | `ride` | a Rerun recording, read back |
+//! | `wait` | waiting with a bound, and taking turns |
+//!
+//! Every wait has a bound and says what it waited for. Signals make this Unix only.
+
+#[path = "harness/process.rs"]
+mod process;
+#[path = "harness/ride.rs"]
+mod ride;
+#[path = "harness/server.rs"]
+mod server;
+#[path = "harness/wait.rs"]
+mod wait;
+
+pub use process::{Output, Process, run};
+pub use ride::{Ride, Row};
+pub use server::{BallState, Server, State, connect, simulate};
+pub use wait::{PATIENCE, turn, until};

@@ -1,1 +1,12 @@
-//! Placeholder.
+//! The whole system: real sessions, real processes, no display. Each test's name is what it claims.
+
+#[path = "system/commands.rs"]
+mod commands;
+#[path = "system/hostile.rs"]
+mod hostile;
+#[path = "system/processes.rs"]
+mod processes;
+#[path = "system/recordings.rs"]
+mod recordings;
+#[path = "system/states.rs"]
+mod states;

@@ -38,8 +38,10 @@ pub fn locate(loaded: &LoadedScene, fault: &SceneFault) -> SceneError {
                 name(*ball)
             ),
         ),
-        SceneFault::OpenBorder { .. } => ("walls".to_owned(), fault.to_string()),
-        SceneFault::Degenerate { .. } => ("floor".to_owned(), fault.to_string()),
+        SceneFault::OpenBorder { .. } => ("walls".to_owned(), format!("{fault}: put a wall along it")),
+        SceneFault::Degenerate { .. } => {
+            ("floor".to_owned(), format!("{fault}: move its control points apart, or untwist them"))
+        }
     };
     loaded.source.error(field, message)
 }

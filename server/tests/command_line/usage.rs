@@ -1,0 +1,45 @@
+//! Exit codes that need no server, or the lack of one.
+
+use super::ballroom;
+
+#[test]
+fn help_names_every_subcommand_and_exit_code() {
+    let help = ballroom(&["--help"]);
+    assert_eq!(help.code, 0);
+    let commands =
+        ["serve", "check", "steer", "pause", "resume", "step", "reset", "speed", "watch", "simulate"];
+    for command in commands {
+        assert!(help.stdout.contains(&format!("\n  {command} ")), "{command} is missing:\n{}", help.stdout);
+        assert_eq!(ballroom(&[command, "--help"]).code, 0, "{command} --help");
+    }
+    for code in ["0", "1", "2", "3", "4", "5", "130"] {
+        assert!(help.stdout.contains(&format!("\n  {code:<5}")), "exit code {code} is missing");
+    }
+}
+
+#[test]
+fn a_wrong_command_line_ends_with_2_and_says_what_would_do() {
+    for (arguments, hint) in [
+        (&["fly"][..], "unrecognized subcommand"),
+        (&["steer", "north"], "use up, down, left, right, stop or X,Y"),
+        (&["step", "0"], "1..=1000000"),
+        (&["serve", "--rate", "1001"], "1..=1000"),
+        (&["simulate", "plane"], "--until"),
+        (&["simulate", "plane", "--until", "nan"], "use 0.000001 to"),
+        (&["simulate", "plane", "--until", "1", "--json", "--csv"], "cannot be used with"),
+        (&["watch", "--arena", "a/b"], "a-z, 0-9"),
+    ] {
+        let output = ballroom(arguments);
+        assert_eq!(output.code, 2, "{arguments:?}: {}", output.stderr);
+        assert!(output.stdout.is_empty() && output.stderr.contains(hint), "{arguments:?}: {}", output.stderr);
+    }
+}
+
+#[test]
+fn a_tool_without_a_server_ends_with_3_and_says_where_it_looked() {
+    // Nothing listens on port 1.
+    let output = ballroom(&["pause", "-e", "tcp/127.0.0.1:1"]);
+    assert_eq!(output.code, 3, "{}", output.stderr);
+    assert!(output.stderr.contains("tcp/127.0.0.1:1 "), "{}", output.stderr);
+    assert!(output.stderr.contains("start `ballroom serve`"), "{}", output.stderr);
+}

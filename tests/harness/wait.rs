@@ -1,0 +1,28 @@
+//! Waiting with a bound, and taking turns.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How long anything may take for which no claim says how long: far more than it does on a busy machine.
+pub const PATIENCE: Duration = Duration::from_secs(20);
+
+/// One test at a time: servers that share two cores disturb each other's clocks.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// Waits for the tests before.
+pub fn turn() -> MutexGuard<'static, ()> {
+    // A test that failed says so itself; it is over for the next.
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Probes until there is something, and panics when nothing has come within `patience`.
+pub fn until<T>(what: &str, patience: Duration, mut probe: impl FnMut() -> Option<T>) -> T {
+    let deadline = Instant::now() + patience;
+    loop {
+        if let Some(found) = probe() {
+            return found;
+        }
+        assert!(Instant::now() < deadline, "waited {patience:?} in vain for {what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
