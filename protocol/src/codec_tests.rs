@@ -135,8 +135,8 @@ fn one_ball() -> Snapshot {
 fn the_version_is_the_first_thing_in_a_frame() {
     let mut bytes = Vec::new();
     encode_state(&one_ball(), &mut bytes);
-    // A map of 14, then the text "v", then 1.
-    assert_eq!(&bytes[..4], &[0xae, 0x61, b'v', 0x01]);
+    // A map of 15, then the text "v", then 1.
+    assert_eq!(&bytes[..4], &[0xaf, 0x61, b'v', 0x01]);
     bytes[3] = 2;
     assert_eq!(decode_state(&bytes), Err(CodecError::Version(2)));
 }
@@ -170,7 +170,7 @@ fn trailing_bytes_unequal_arrays_and_nan_are_refused() {
 #[test]
 fn a_length_that_lies_allocates_nothing_much() {
     // A map with a byte string that claims 2^60 bytes.
-    let mut bytes = vec![0xae, 0x62, b'u', b'v', 0xd8, 86, 0x5b];
+    let mut bytes = vec![0xaf, 0x62, b'u', b'v', 0xd8, 86, 0x5b];
     bytes.extend(&(1_u64 << 60).to_be_bytes());
     assert!(matches!(decode_state(&bytes), Err(CodecError::Malformed(_))));
     // An array header that claims 2^60 items.
