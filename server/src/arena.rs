@@ -6,6 +6,7 @@ use crate::network::{self, NetworkError};
 use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
 use crate::tick_loop::TickLoop;
+use ballroom_client::Setting;
 use protocol::keys::{DEFAULT_ARENA, Name};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -31,6 +32,8 @@ pub struct ArenaOptions {
     pub connect: Vec<String>,
     /// A Zenoh configuration file, taken as it stands but for the endpoints above.
     pub config: Option<PathBuf>,
+    /// Single settings of Zenoh, applied last.
+    pub settings: Vec<Setting>,
 }
 
 impl Default for ArenaOptions {
@@ -42,6 +45,7 @@ impl Default for ArenaOptions {
             listen: Vec::new(),
             connect: Vec::new(),
             config: None,
+            settings: Vec::new(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! `ballroom-viewer`: shows a Ballroom server's arena in Rerun, and writes it to a file.
 
 use anyhow::{Result, bail};
-use ballroom_client::{Client, ClientOptions, DEFAULT_ENDPOINT, Patience};
+use ballroom_client::{Client, ClientOptions, DEFAULT_ENDPOINT, Patience, Setting};
 use clap::Parser;
 use protocol::keys::{DEFAULT_ARENA, Name};
 use std::path::PathBuf;
@@ -27,9 +27,12 @@ struct Arguments {
     /// Zenoh endpoint of the server, for instance tcp/127.0.0.1:7447; may be repeated
     #[arg(short = 'e', long = "connect", value_name = "ENDPOINT")]
     endpoints: Vec<String>,
-    /// Zenoh configuration file
-    #[arg(short, long = "cfg", value_name = "FILE", env = "ZENOH_CONFIG")]
+    /// Zenoh configuration file, JSON5 or YAML
+    #[arg(short = 'c', long, value_name = "FILE", env = "ZENOH_CONFIG")]
     config: Option<PathBuf>,
+    /// One setting of Zenoh, for instance transport/link/tx/lease:5000; may be repeated
+    #[arg(long, value_name = "KEY:VALUE")]
+    cfg: Vec<Setting>,
     /// Which of the server's arenas
     #[arg(long, default_value = DEFAULT_ARENA)]
     arena: Name,
@@ -60,6 +63,7 @@ fn run(arguments: Arguments) -> Result<()> {
     let options = ClientOptions {
         endpoints: arguments.endpoints,
         config: arguments.config,
+        settings: arguments.cfg,
         arena: arguments.arena,
         patience: Patience::WaitForServer,
         ..ClientOptions::default()

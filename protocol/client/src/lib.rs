@@ -17,4 +17,4 @@ mod options;
 pub use client::{Client, ClientError};
 pub use feed::{Feed, Presence, Presences};
 pub use follow::{Follower, Update};
-pub use options::{Abort, ClientOptions, DEFAULT_ENDPOINT, Patience};
+pub use options::{Abort, ClientOptions, DEFAULT_ENDPOINT, Patience, Setting};

@@ -3,6 +3,7 @@
 use crate::client::ClientError;
 use protocol::keys::{DEFAULT_ARENA, Name};
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -17,6 +18,8 @@ pub struct ClientOptions {
     pub endpoints: Vec<String>,
     /// A Zenoh configuration file (JSON5 or YAML); it is taken as it stands, but for the endpoints above.
     pub config: Option<PathBuf>,
+    /// Single settings of Zenoh, applied last.
+    pub settings: Vec<Setting>,
     /// Which arena.
     pub arena: Name,
     /// How long to wait for a server.
@@ -33,10 +36,33 @@ impl Default for ClientOptions {
         Self {
             endpoints: Vec::new(),
             config: None,
+            settings: Vec::new(),
             arena: DEFAULT_ARENA.parse().expect("a valid name"),
             patience: Patience::default(),
             timeout: Duration::from_secs(5),
             abort: Abort::default(),
+        }
+    }
+}
+
+/// A setting of Zenoh as its own tools take it: `KEY:VALUE`, the value in JSON5.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// Path in Zenoh's configuration, for instance `transport/link/tx/lease`.
+    pub key: String,
+    /// Its value in JSON5.
+    pub value: String,
+}
+
+impl FromStr for Setting {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(':') {
+            Some((key, value)) if !key.is_empty() && !value.is_empty() => {
+                Ok(Self { key: key.to_owned(), value: value.to_owned() })
+            }
+            _ => Err("write KEY:VALUE, for instance transport/link/tx/lease:5000".into()),
         }
     }
 }
@@ -106,11 +132,16 @@ impl ClientOptions {
         }
         let default = [DEFAULT_ENDPOINT.to_owned()];
         let endpoints = match (self.endpoints.as_slice(), &self.config) {
-            ([], Some(_)) => return Ok(config),
-            ([], None) => default.as_slice(),
-            (endpoints, _) => endpoints,
+            ([], Some(_)) => None,
+            ([], None) => Some(default.as_slice()),
+            (endpoints, _) => Some(endpoints),
         };
-        set("connect/endpoints", &serde_json::to_string(endpoints).expect("a list of texts"))?;
+        if let Some(endpoints) = endpoints {
+            set("connect/endpoints", &serde_json::to_string(endpoints).expect("a list of texts"))?;
+        }
+        for setting in &self.settings {
+            set(&setting.key, &setting.value)?;
+        }
         Ok(config)
     }
 }
@@ -148,6 +179,17 @@ mod tests {
         std::thread::sleep(Duration::from_millis(200));
         abort.abort();
         assert!(matches!(waiting.join().unwrap(), ClientError::Aborted));
+    }
+
+    #[test]
+    fn a_setting_is_applied_and_an_unknown_one_is_named() {
+        let with =
+            |text: &str| ClientOptions { settings: vec![text.parse().unwrap()], ..ClientOptions::default() };
+        let config = with("transport/link/tx/lease:4321").zenoh_config().unwrap();
+        assert_eq!(config.get_json("transport/link/tx/lease").unwrap(), "4321");
+        let error = with("no/such/key:1").zenoh_config().unwrap_err().to_string();
+        assert!(error.contains("no/such/key"), "{error}");
+        assert!("lease".parse::<Setting>().is_err());
     }
 
     #[test]

@@ -36,7 +36,7 @@ pub struct Hit {
     pub impulse: f64,
 }
 
-/// What happened, summed since the controller was made. Differences of two reports tell of a span.
+/// What happened: in one advance, or summed since the controller was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Report {
     /// Hits.
@@ -59,4 +59,27 @@ pub struct Report {
     pub pairs: [u64; 2],
     /// Hits left out of the list because it was full.
     pub hits_dropped: u64,
+}
+
+impl Report {
+    /// What happened since `before`, a report of the same controller. The deepest penetration stays that of the
+    /// whole run.
+    #[must_use]
+    pub fn since(&self, before: &Self) -> Self {
+        Self {
+            collisions: Collisions {
+                ball_ball: self.collisions.ball_ball - before.collisions.ball_ball,
+                ball_wall: self.collisions.ball_wall - before.collisions.ball_wall,
+            },
+            deepest_penetration: self.deepest_penetration,
+            rest_hits: self.rest_hits - before.rest_hits,
+            clusters: self.clusters - before.clusters,
+            fallbacks: self.fallbacks - before.fallbacks,
+            negative_reaction: self.negative_reaction - before.negative_reaction,
+            steering_work: self.steering_work - before.steering_work,
+            steps: self.steps - before.steps,
+            pairs: [self.pairs[0] - before.pairs[0], self.pairs[1] - before.pairs[1]],
+            hits_dropped: self.hits_dropped - before.hits_dropped,
+        }
+    }
 }

@@ -7,6 +7,9 @@ use crate::schedule::time::QUANTUM;
 /// with curvature near 1/m swings at about 3 rad/s, which turns dv into dv/3; more overrates, less hides.
 pub const ERROR_TIME: f64 = 0.35;
 
+/// Largest number in an arc: its square and its cube are still finite, and no honest scene comes near.
+pub const SANE: f64 = 1e15;
+
 /// Longest step, s. Longer ones are refused by the error estimate on any floor worth the name.
 pub const STEP_MAX: f64 = 0.5;
 /// Shortest step, s: 2^-20. Below it the estimate is rounding, and halving would not end.
@@ -57,8 +60,9 @@ pub const CLOSING_NOISE: f64 = 4e-15;
 /// The same for bodies that have just come to rest beside faster ones, m/s: an impact of a metre a second
 /// leaves as much. Overlap grows by it no faster than 4e-11 m an hour.
 pub const CLOSING_NOISE_SPEED: f64 = 1e-14;
-/// Hits within one quantum before every further one counts as slow: a bound of work, not of time.
-pub const HITS_PER_QUANTUM_MAX: u64 = 1 << 26;
+/// Hits of one ball within a quantum before it is held until the quantum ends: a bound of work, not of time. A
+/// light ball between a wall and one 1e12 times as heavy makes 3 141 592 in all.
+pub const HITS_PER_QUANTUM_MAX: u32 = 1 << 22;
 
 /// Gap below which balls count as touching when one of them is hit, in ulps of the larger coordinate.
 pub const TOUCH_ULPS: f64 = 4.0;
@@ -70,6 +74,8 @@ pub const OVERLAP_ULPS: f64 = 4.0;
 
 /// Correction of a hit's place below which it is applied to first order, m.
 pub const POLISH: f64 = 1e-9;
+/// Farthest a hit may be moved, s; what asks for more is a graze that two readings of the path see differently.
+pub const POLISH_SPAN: f64 = QUANTUM;
 /// Corrections by integrating afresh before the rest is applied to first order.
 pub const POLISH_ROUNDS: u32 = 4;
 
@@ -79,6 +85,9 @@ pub const CLUSTER_MAX: usize = 128;
 pub const SLOW_CLUSTER_MAX: usize = 16;
 /// Reflections of a cluster before it is projected instead: a chain of n balls needs at most n^2/4.
 pub const REFLECTIONS_MAX: usize = 4096;
+/// Reflections beyond two for each contact without a fall of the fastest closing speed before a cluster counts as
+/// stuck. An impulse that travels along a chain keeps its speed for as many reflections as there are contacts.
+pub const REFLECTIONS_STUCK: usize = 64;
 /// Closing speed below which a contact of a cluster counts as satisfied, relative to the fastest ball.
 pub const CLUSTER_SATISFIED: f64 = 1e-14;
 

@@ -1,7 +1,7 @@
 //! How tools reach a server.
 
 use super::exit::Refused;
-use ballroom_client::{Abort, Client, ClientOptions};
+use ballroom_client::{Abort, Client, ClientOptions, Setting};
 use protocol::command::Command;
 use protocol::keys::Name;
 use std::io::Write;
@@ -15,8 +15,11 @@ pub struct Connection {
     #[arg(short = 'e', long = "connect", value_name = "ENDPOINT")]
     connect: Vec<String>,
     /// Zenoh configuration file, JSON5 or YAML
-    #[arg(short = 'c', long = "cfg", value_name = "FILE", env = "ZENOH_CONFIG")]
-    cfg: Option<PathBuf>,
+    #[arg(short = 'c', long, value_name = "FILE", env = "ZENOH_CONFIG")]
+    config: Option<PathBuf>,
+    /// One setting of Zenoh, for instance transport/link/tx/lease:5000; may be repeated
+    #[arg(long, value_name = "KEY:VALUE")]
+    cfg: Vec<Setting>,
     /// Name of the arena
     #[arg(long, default_value = protocol::keys::DEFAULT_ARENA, value_name = "NAME")]
     arena: Name,
@@ -27,7 +30,8 @@ impl Connection {
     pub fn open(&self, abort: Abort, timeout: Duration) -> anyhow::Result<Client> {
         let options = ClientOptions {
             endpoints: self.connect.clone(),
-            config: self.cfg.clone(),
+            config: self.config.clone(),
+            settings: self.cfg.clone(),
             arena: self.arena.clone(),
             timeout,
             abort,

@@ -2,6 +2,7 @@
 
 use super::signals::abort_on_signal;
 use anyhow::bail;
+use ballroom_client::Setting;
 use protocol::keys::Name;
 use server::{Arena, ArenaOptions, SceneText};
 use std::io::Write;
@@ -31,8 +32,11 @@ pub struct Serve {
     #[arg(short = 'e', long = "connect", value_name = "ENDPOINT")]
     connect: Vec<String>,
     /// Zenoh configuration file, JSON5 or YAML
-    #[arg(short = 'c', long = "cfg", value_name = "FILE", env = "ZENOH_CONFIG")]
-    cfg: Option<PathBuf>,
+    #[arg(short = 'c', long, value_name = "FILE", env = "ZENOH_CONFIG")]
+    config: Option<PathBuf>,
+    /// One setting of Zenoh, for instance transport/link/tx/lease:5000; may be repeated
+    #[arg(long, value_name = "KEY:VALUE")]
+    cfg: Vec<Setting>,
     /// Name of the arena in the keys
     #[arg(long, default_value = protocol::keys::DEFAULT_ARENA, value_name = "NAME")]
     arena: Name,
@@ -50,7 +54,8 @@ impl Serve {
             paused: self.paused,
             listen: self.listen,
             connect: self.connect,
-            config: self.cfg,
+            config: self.config,
+            settings: self.cfg,
         };
         let abort = abort_on_signal()?;
         let arena = Arena::start(&scene, &options)?;

@@ -47,6 +47,9 @@ pub fn open(options: &ArenaOptions) -> Result<(Session, Vec<String>), NetworkErr
     if !options.connect.is_empty() {
         set(&mut config, "connect/endpoints", &list(&options.connect))?;
     }
+    for setting in &options.settings {
+        set(&mut config, &setting.key, &setting.value)?;
+    }
     let session = match (&options.listen, &options.config) {
         (listen, _) if !listen.is_empty() => {
             set(&mut config, "listen/endpoints", &list(listen))?;

@@ -1,17 +1,20 @@
 //! An advance: the first event of all, again and again, until the caller's time.
 
 use super::Controller;
+use crate::diagnostics::Report;
 use crate::motion::arc::Path;
 use crate::motion::law::State;
 use crate::schedule::event::{Next, What};
-use crate::schedule::time::Time;
+use crate::schedule::time::{QUANTUM, Time};
 
 impl Controller {
-    /// Advances to `time`: every hit up to and including it is resolved. Earlier times do nothing.
-    pub fn advance_to(&mut self, time: Time) {
+    /// Advances to `time`: every hit up to and including it is resolved. Earlier times do nothing. Returns what
+    /// happened; the hits themselves are in [`Self::hits`], the energy in [`Self::energy`].
+    pub fn advance_to(&mut self, time: Time) -> Report {
         self.hits.clear();
+        let before = self.report;
         if time <= self.time {
-            return;
+            return Report::default();
         }
         self.time = time;
         loop {
@@ -24,6 +27,7 @@ impl Controller {
             self.take(ball, &next);
         }
         self.observe();
+        self.report.since(&before)
     }
 
     fn take(&mut self, ball: usize, next: &Next) {
@@ -64,6 +68,10 @@ impl Controller {
     /// on as before, which is when `slope` is given.
     pub(super) fn relaunch(&mut self, ball: usize, time: Time, state: &State, slope: Option<&State>) {
         self.close_arc(ball, time);
+        if slope.is_none() && self.balls[ball].drive.is_some() {
+            // After a hit or a push the speed limit asks for another force.
+            self.balls[ball].body.applied = self.applied(ball, state, time);
+        }
         self.launch(ball, time, state, slope);
     }
 
@@ -89,5 +97,13 @@ impl Controller {
         );
         b.stamp = b.stamp.wrapping_add(1);
         self.report.steps += b.stepping.steps - before;
+        self.report.fallbacks += std::mem::take(&mut b.stepping.forced);
+        let arc = &mut self.arcs[ball];
+        if !arc.is_sane() {
+            // The equations have no finite answer from here: the ball stands at its last good place.
+            self.report.fallbacks += 1;
+            let length = Time::of_quantum(time.quantum()).after(QUANTUM).since(time);
+            b.body.hold(&self.surface, (time, state), length, arc);
+        }
     }
 }

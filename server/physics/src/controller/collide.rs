@@ -7,7 +7,7 @@ use crate::motion::law::{State, velocity};
 use crate::resolve::impact::{Contact, Member, hop, resolve_cluster, resolve_one};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{
-    CLUSTER_MAX, HITS_KEPT, HITS_PER_QUANTUM_MAX, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS,
+    self, CLUSTER_MAX, HITS_KEPT, HITS_PER_QUANTUM_MAX, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS,
     REST_HITS_MAX, REST_SPEED, SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
 };
 use nalgebra::Vector3;
@@ -45,6 +45,21 @@ pub(super) struct Cluster {
 }
 
 impl Cluster {
+    /// With room for the largest impact, so that none allocates.
+    pub(super) fn new() -> Self {
+        let (balls, contacts) = (CLUSTER_MAX + 2, CLUSTER_MAX + 1);
+        Self {
+            landed: Vec::with_capacity(balls),
+            members: Vec::with_capacity(balls),
+            before: Vec::with_capacity(balls),
+            pairs: Vec::with_capacity(contacts),
+            contacts: Vec::with_capacity(contacts),
+            impulses: Vec::with_capacity(contacts),
+            held: Vec::with_capacity(balls),
+            found: Vec::with_capacity(1024),
+        }
+    }
+
     fn clear(&mut self) {
         self.landed.clear();
         self.members.clear();
@@ -65,14 +80,15 @@ impl Controller {
             let (la, lb) = (self.land(a, t), self.land(b, t));
             let apart = lb.center - la.center;
             let distance = apart.norm();
-            let closing = (velocity(&la.state) - velocity(&lb.state)).dot(&apart) / distance;
+            let (wa, wb) = (velocity(&la.state), velocity(&lb.state));
+            let closing = (wa - wb).dot(&apart) / distance;
             let Some(shift) = self.correction(distance - reach, closing, &[la, lb], t) else {
                 self.enter(&mut cluster, la);
                 self.enter(&mut cluster, lb);
                 break;
             };
             t = t.after(shift);
-            if round == POLISH_ROUNDS || (shift * closing).abs() <= POLISH {
+            if round == POLISH_ROUNDS || shift.abs() * wa.norm().max(wb.norm()) <= POLISH {
                 for landed in [la, lb] {
                     let moved = self.shifted(landed, shift);
                     self.enter(&mut cluster, moved);
@@ -97,14 +113,15 @@ impl Controller {
         cluster.clear();
         for round in 0..=POLISH_ROUNDS {
             let landed = self.land(ball, t);
-            let closing = -velocity(&landed.state).dot(&plane.normal);
+            let w = velocity(&landed.state);
+            let closing = -w.dot(&plane.normal);
             let gap = plane.distance(&landed.center) - radius;
             let Some(shift) = self.correction(gap, closing, &[landed], t) else {
                 self.enter(&mut cluster, landed);
                 break;
             };
             t = t.after(shift);
-            if round == POLISH_ROUNDS || (shift * closing).abs() <= POLISH {
+            if round == POLISH_ROUNDS || shift.abs() * w.norm() <= POLISH {
                 let moved = self.shifted(landed, shift);
                 self.enter(&mut cluster, moved);
                 break;
@@ -125,8 +142,9 @@ impl Controller {
         Landed { ball, state, slope, center }
     }
 
-    /// Seconds by which a hit must be moved to close `gap`; None when it stands within rounding, or when nothing
-    /// closes. Never before the arcs begin.
+    /// Seconds by which a hit must be moved to close `gap`; None when it stands within rounding, when nothing
+    /// closes, or when the place lies beyond the arcs (a graze that they did not see alike). Never before the arcs
+    /// begin.
     fn correction(&self, gap: f64, closing: f64, landed: &[Landed], time: Time) -> Option<f64> {
         let size = landed.iter().map(|l| l.center.amax()).fold(0.0, f64::max);
         if closing <= REST_SPEED || gap.abs() <= TOUCH_ULPS * f64::EPSILON * size {
@@ -136,7 +154,12 @@ impl Controller {
             .iter()
             .map(|l| -time.since(self.arcs[l.ball].start).max(0.0))
             .fold(f64::NEG_INFINITY, f64::max);
-        Some((gap / closing).max(earliest))
+        let latest = landed
+            .iter()
+            .map(|l| self.arcs[l.ball].finish().since(time))
+            .fold(tolerance::POLISH_SPAN, f64::min);
+        let shift = (gap / closing).max(earliest);
+        (shift <= latest).then_some(shift)
     }
 
     /// A landed ball moved by a small time along its slope.
@@ -161,13 +184,7 @@ impl Controller {
     /// Resolves the cluster around its first contact at `time`.
     fn resolve(&mut self, mut cluster: Cluster, time: Time) {
         self.now = self.now.max(time);
-        if self.work.quantum != time.quantum() {
-            self.work.quantum = time.quantum();
-            self.work.hits = 0;
-        }
-        self.work.hits += 1;
-        let slow = cluster.contacts[0].closing(&cluster.members) <= REST_SPEED
-            || self.work.hits > HITS_PER_QUANTUM_MAX;
+        let slow = cluster.contacts[0].closing(&cluster.members) <= REST_SPEED;
         if slow {
             self.report.rest_hits += 1;
             // A slow hit does not move a ball that is held.
@@ -196,9 +213,7 @@ impl Controller {
             }
         }
         self.record(&cluster, time);
-        if slow {
-            self.count_rest_hits(&mut cluster, time);
-        }
+        self.count_hits(&mut cluster, time, slow);
         self.relaunch_moved(&mut cluster, time);
         self.work.cluster = cluster;
     }
@@ -322,25 +337,29 @@ impl Controller {
         }
     }
 
-    /// Counts a slow hit. Balls that had too many in this quantum are held if they are slow themselves; if one of
-    /// the two is fast, the pair hops, so that a pressed ball keeps its way and its momentum.
-    fn count_rest_hits(&mut self, cluster: &mut Cluster, time: Time) {
-        let mut too_many = false;
+    /// Counts the hit. Balls that had too many slow ones in this quantum are held if they are slow themselves; if
+    /// one of the two is fast, the pair hops, so that a pressed ball keeps its way and its momentum. Too many of any
+    /// kind hold it in any case: that bounds the work of a quantum.
+    fn count_hits(&mut self, cluster: &mut Cluster, time: Time, slow: bool) {
+        let (mut too_many_slow, mut too_many) = (false, false);
         for landed in &cluster.landed {
             let b = &mut self.balls[landed.ball];
-            if b.rest_quantum != time.quantum() {
-                b.rest_quantum = time.quantum();
-                b.rest_hits = 0;
+            if b.hits_quantum != time.quantum() {
+                b.hits_quantum = time.quantum();
+                (b.hits, b.rest_hits) = (0, 0);
             }
-            b.rest_hits += 1;
-            too_many |= b.rest_hits > REST_HITS_MAX;
+            b.hits += 1;
+            b.rest_hits += u32::from(slow);
+            too_many_slow |= slow && b.rest_hits > REST_HITS_MAX;
+            too_many |= b.hits > HITS_PER_QUANTUM_MAX;
         }
-        if !too_many {
+        if !too_many_slow && !too_many {
             return;
         }
         let hit = cluster.contacts[0];
         let mut both = std::iter::once(hit.a).chain(hit.b);
-        if both.clone().all(|place| cluster.members[place].velocity.norm() <= HOLD_SPEED) {
+        let calm = both.clone().all(|place| cluster.members[place].velocity.norm() <= HOLD_SPEED);
+        if calm || too_many {
             both.by_ref().for_each(|place| cluster.held[place] = true);
         } else {
             self.report.fallbacks += 1;

@@ -1,5 +1,6 @@
 //! A scene is checked and its balls are set down.
 
+use super::collide::Cluster;
 use super::{Ball, Controller, Work};
 use crate::detect::ball_wall::Plane;
 use crate::detect::broad_phase::BroadPhase;
@@ -7,6 +8,7 @@ use crate::diagnostics::Report;
 use crate::motion::arc::Arc;
 use crate::motion::body::{Body, Stepping};
 use crate::motion::law::{ROLLING, State};
+use crate::resolve::impact::Scratch;
 use crate::scene::{Accuracy, BallSpec, Floor, MotionLaw, Scene, SceneFault};
 use crate::schedule::queue::Queue;
 use crate::schedule::time::Time;
@@ -66,7 +68,7 @@ impl Controller {
             now: Time::ZERO,
             hits: Vec::with_capacity(HITS_KEPT),
             report: Report::default(),
-            work: Work::default(),
+            work: Work { scratch: Scratch::with_room(tolerance::CLUSTER_MAX + 1), cluster: Cluster::new() },
         };
         controller.check_room()?;
         for ball in 0..controller.balls.len() {
@@ -192,6 +194,16 @@ fn check_floor(scene: &Scene, patch: &BezierPatch, certificate: &Certificate) ->
     if let Err([u, v]) = certificate.regular {
         return Err(SceneFault::Degenerate { u, v });
     }
+    // A height field's balls lie on its upper side, which must be the one that gravity presses them to.
+    let jet = patch.jet(0.5, 0.5);
+    let upper = jet.du.cross(&jet.dv).z * certificate.orientation > 0.0;
+    let heights = patch.is_height_field() || matches!(scene.floor, Floor::Polynomial { .. });
+    number(
+        "gravity".into(),
+        scene.gravity.x,
+        upper || !heights,
+        "pressing balls onto the floor's upper side",
+    )?;
     let largest = scene.balls.iter().enumerate().max_by(|a, b| a.1.radius.total_cmp(&b.1.radius));
     if let Some((ball, spec)) = largest {
         let [lo, hi] = certificate.curvature.map(|k| k * spec.radius);
@@ -265,12 +277,13 @@ fn set_down(scene: &Scene, surface: &Surface, index: usize) -> Result<(Ball, Sta
         body,
         mass: spec.mass,
         inverse_mass: 1.0 / ((1.0 + inertia_factor) * spec.mass),
-        stepping: Stepping { try_s, steps: 0 },
+        stepping: Stepping { try_s, steps: 0, forced: 0 },
         window_end: Time::ZERO,
         stamp: 0,
         drive: None,
+        hits: 0,
         rest_hits: 0,
-        rest_quantum: 0,
+        hits_quantum: 0,
         free_omega: if rolls { V3::zeros() } else { n * spec.spin },
     };
     Ok((ball, state))

@@ -72,9 +72,10 @@ struct Ball {
     /// Changes whenever the arc does; predictions that carry an older one are void.
     stamp: u32,
     drive: Option<Drive>,
-    /// Slow hits in quantum `rest_quantum`.
+    /// Hits in quantum `hits_quantum`, and the slow ones among them.
+    hits: u32,
     rest_hits: u32,
-    rest_quantum: i64,
+    hits_quantum: i64,
     /// Angular velocity of a sliding ball, rad/s: constant.
     free_omega: Vector3<f64>,
 }
@@ -104,14 +105,11 @@ pub struct Controller {
     work: Work,
 }
 
-/// Working memory and counters of one advance.
-#[derive(Clone, Debug, Default)]
+/// Working memory of an advance, kept so that none allocates.
+#[derive(Clone, Debug)]
 struct Work {
     scratch: Scratch,
     cluster: collide::Cluster,
-    /// Hits in quantum `quantum`.
-    hits: u64,
-    quantum: i64,
 }
 
 impl Controller {

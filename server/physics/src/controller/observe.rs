@@ -58,7 +58,8 @@ impl Controller {
                 .for_each(|x| hash.number(*x));
             hash.number(b.stepping.try_s);
             hash.word(u64::from(b.rest_hits) << 32 | u64::from(b.stamp));
-            hash.word(b.rest_quantum as u64);
+            hash.word(u64::from(b.hits));
+            hash.word(b.hits_quantum as u64);
             if let Some(drive) = b.drive {
                 drive.direction.iter().for_each(|x| hash.number(*x));
                 hash.number(drive.acceleration);

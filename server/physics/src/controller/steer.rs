@@ -104,7 +104,7 @@ impl Controller {
     /// Acceleration of gravity and of the held force until the quantum ends. The force is constant for a whole
     /// quantum, whatever the tick rate. Near the limit its part along the motion is cut so that a quantum of it
     /// cannot pass the limit, nor raise a speed that gravity brought above it.
-    fn applied(&self, ball: usize, state: &State, time: Time) -> V3 {
+    pub(super) fn applied(&self, ball: usize, state: &State, time: Time) -> V3 {
         let b = &self.balls[ball];
         let Some(drive) = b.drive else { return self.gravity };
         let push = V3::new(drive.direction.x, drive.direction.y, 0.0) * drive.acceleration;

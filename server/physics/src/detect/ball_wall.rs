@@ -5,6 +5,7 @@ use super::root::{divide_by_x, first_descent, refine};
 use crate::motion::arc::{Arc, Path};
 use crate::motion::step::TERMS;
 use crate::schedule::time::Time;
+use crate::tolerance::{CLOSING_NOISE, CLOSING_NOISE_SPEED};
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -32,9 +33,10 @@ pub fn time_of_impact(arc: &Arc, plane: &Plane, from: Time, duration: f64, radiu
     let now = Standing::of(arc, from);
     let gap = plane.distance(&now.center) - radius;
     let speed = now.velocity.dot(&plane.normal);
+    let noise = CLOSING_NOISE * now.velocity.norm() + CLOSING_NOISE_SPEED;
     if arc.path != Path::Curved {
         let acceleration = 2.0 * arc.center[2].dot(&plane.normal) / (arc.scale * arc.scale);
-        return parabola(gap, speed, acceleration).filter(|t| *t <= duration);
+        return parabola(gap, speed, noise, acceleration).filter(|t| *t <= duration);
     }
     if gap + speed.min(0.0) * duration - 0.5 * arc.acceleration_bound * duration * duration > 0.0 {
         return None;
@@ -52,7 +54,7 @@ pub fn time_of_impact(arc: &Arc, plane: &Plane, from: Time, duration: f64, radiu
     };
     let bracket = if gap > 0.0 {
         first_descent(&bernstein(&a))?
-    } else if a[1] < 0.0 {
+    } else if speed < -noise {
         return Some(0.0);
     } else {
         let mut rest = a;
@@ -64,13 +66,14 @@ pub fn time_of_impact(arc: &Arc, plane: &Plane, from: Time, duration: f64, radiu
     Some(refine(bracket, evaluate) * duration)
 }
 
-/// First time gap + speed t + acceleration t^2/2 falls to zero from above, in its stable forms.
-fn parabola(gap: f64, speed: f64, acceleration: f64) -> Option<f64> {
+/// First time gap + speed t + acceleration t^2/2 falls to zero from above, in its stable forms. In contact only
+/// what closes faster than `noise` hits.
+fn parabola(gap: f64, speed: f64, noise: f64, acceleration: f64) -> Option<f64> {
     if gap <= 0.0 {
-        if speed < 0.0 {
+        if speed < -noise {
             return Some(0.0);
         }
-        return (acceleration < 0.0).then(|| -2.0 * speed / acceleration);
+        return (acceleration < 0.0).then(|| -2.0 * speed.max(0.0) / acceleration);
     }
     if acceleration == 0.0 {
         return (speed < 0.0).then(|| gap / -speed);
@@ -92,11 +95,11 @@ mod tests {
 
     #[test]
     fn the_parabola_meets_the_wall_when_it_should() {
-        assert_eq!(parabola(1.0, -2.0, 0.0), Some(0.5));
-        assert_eq!(parabola(1.0, 2.0, 0.0), None);
-        assert_eq!(parabola(0.0, 1.0, -2.0), Some(1.0));
-        assert_eq!(parabola(0.0, -1.0, 5.0), Some(0.0));
-        assert_eq!(parabola(2.0, 0.0, -1.0), Some(2.0));
-        assert_eq!(parabola(1.0, -1.0, 1.0), None);
+        assert_eq!(parabola(1.0, -2.0, 0.0, 0.0), Some(0.5));
+        assert_eq!(parabola(1.0, 2.0, 0.0, 0.0), None);
+        assert_eq!(parabola(0.0, 1.0, 0.0, -2.0), Some(1.0));
+        assert_eq!(parabola(0.0, -1.0, 0.0, 5.0), Some(0.0));
+        assert_eq!(parabola(2.0, 0.0, 0.0, -1.0), Some(2.0));
+        assert_eq!(parabola(1.0, -1.0, 0.0, 1.0), None);
     }
 }

@@ -10,6 +10,7 @@ use super::step::{REACTION_AT, Step, TERMS};
 use crate::scene::Accuracy;
 use crate::schedule::time::Time;
 use crate::surface::chart::Surface;
+use crate::tolerance::SANE;
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -50,7 +51,7 @@ pub struct Arc {
     pub orientation: [f64; 4],
     /// Integral of the angular velocity in powers of theta, rad; zero when sliding.
     pub turn: [V3; TERMS],
-    /// Floor reaction per mass at [`REACTION_AT`] (curved arcs only), m/s^2.
+    /// Floor reaction per mass at [`REACTION_AT`], m/s^2.
     pub reaction: [f64; 3],
     /// Bound of the centre's acceleration, m/s^2.
     pub acceleration_bound: f64,
@@ -158,11 +159,22 @@ impl Arc {
         rotation::follow(self.orientation, &self.turn, dt / self.scale)
     }
 
-    /// Seconds of the first `dt` of a curved arc during which the floor would have had to pull: the reaction
+    /// Whether every number of a launched arc is finite and of a size that can be worked with.
+    pub fn is_sane(&self) -> bool {
+        let fine = |x: &f64| x.abs() <= SANE;
+        let centers = self.center.iter().all(|c| c.iter().all(fine));
+        let (state, ends) = (&self.state, self.end.iter().flatten());
+        centers && state.iter().all(fine) && (self.path != Path::Curved || ends.into_iter().all(fine))
+    }
+
+    /// Seconds of the first `dt` of an arc during which the floor would have had to pull: the reaction
     /// is taken as the parabola through three exact values, at 64 midpoints; it is a warning, not a result.
     pub fn negative_reaction(&self, dt: f64) -> f64 {
-        if self.path != Path::Curved || self.reaction.iter().all(|n| *n >= 0.0) {
+        if self.path == Path::Held || self.reaction.iter().all(|n| *n >= 0.0) {
             return 0.0;
+        }
+        if self.path == Path::Parabola {
+            return dt;
         }
         let [a, b, c] = self.reaction;
         let m = REACTION_AT[1];

@@ -33,6 +33,8 @@ pub struct Stepping {
     pub try_s: f64,
     /// Steps computed, kept or not.
     pub steps: u64,
+    /// Steps kept at the shortest length though their error was too large.
+    pub forced: u64,
 }
 
 impl Body {
@@ -125,7 +127,7 @@ impl Body {
         arc.center[1] = velocity(&arc.state);
         arc.center[2] = acceleration * 0.5;
         arc.acceleration_bound = acceleration.norm();
-        arc.reaction = [0.0; 3];
+        arc.reaction = [-self.applied.dot(&n); 3];
         if self.rolls {
             arc.turn = [V3::zeros(); TERMS];
             arc.turn[1] = angular_velocity(&n, &arc.center[1], arc.state[5], self.radius);
@@ -137,17 +139,19 @@ impl Body {
         }
     }
 
-    /// Stands still at `state` for `length` seconds.
+    /// Stands still at `state` for `length` seconds, and goes on spinning about the normal.
     pub fn hold(&self, surface: &Surface, (start, state): (Time, &State), length: f64, arc: &mut Arc) {
         arc.start = start;
         arc.length = length;
         arc.scale = 1.0;
         arc.path = Path::Held;
         arc.state = *state;
-        arc.state[2..].fill(0.0);
+        arc.state[2..5].fill(0.0);
         arc.center = [V3::zeros(); TERMS];
-        arc.center[0] = self.seat(surface, state).0;
+        let (center, n) = self.seat(surface, state);
+        arc.center[0] = center;
         arc.turn = [V3::zeros(); TERMS];
+        arc.turn[1] = angular_velocity(&n, &V3::zeros(), state[5], self.radius);
         arc.acceleration_bound = 0.0;
     }
 }
@@ -195,13 +199,14 @@ fn step_by<const D: usize, C: Chart>(
         let smallest = h <= tolerance::STEP_MIN;
         let allowed = if smallest { f64::INFINITY } else { tolerance::allowed_error(tolerance, h) };
         if let Some(step) = dop853::step(law, y, slope, h, allowed) {
+            stepping.forced += u64::from(step.error > tolerance::allowed_error(tolerance, h));
             let room = step.error * tolerance::GROWTH_OF_DOUBLING <= tolerance::allowed_error(tolerance, h);
             if room && h < tolerance::STEP_MAX {
                 stepping.try_s = 2.0 * h;
             }
             return (h, step);
         }
-        // Only numbers that are not finite are refused at the smallest step; the caller's gate names them.
+        // Only numbers that are not finite are refused at the smallest step; the launch holds such a ball.
         if smallest {
             return (h, not_finite());
         }

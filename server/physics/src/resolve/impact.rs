@@ -7,7 +7,7 @@
 //! simultaneous impact", 2012): exact for the cradle and for symmetric hits, and never gains energy, since the
 //! smallest e of the violated set is used.
 
-use crate::tolerance::{CLUSTER_SATISFIED, REFLECTIONS_MAX};
+use crate::tolerance::{CLUSTER_SATISFIED, REFLECTIONS_MAX, REFLECTIONS_STUCK};
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -88,6 +88,23 @@ pub struct Scratch {
     violated: Vec<usize>,
 }
 
+impl Scratch {
+    /// Room for `contacts` at once.
+    pub fn with_room(contacts: usize) -> Self {
+        let numbers = || Vec::with_capacity(contacts);
+        let square = || Vec::with_capacity(contacts * contacts);
+        Self {
+            matrix: square(),
+            factor: square(),
+            impulse: numbers(),
+            residual: numbers(),
+            trial: numbers(),
+            active: Vec::with_capacity(contacts),
+            violated: Vec::with_capacity(contacts),
+        }
+    }
+}
+
 /// Resolves contacts that happen at one instant. `restitution(i, closing)` is contact i's e at a closing speed.
 /// `totals[i]` receives contact i's impulse, N s. Returns false if the reflections had to be cut short by a
 /// projection (e = 0).
@@ -101,20 +118,28 @@ pub fn resolve_cluster(
     totals.fill(0.0);
     let fastest = members.iter().map(|m| m.velocity.norm()).fold(0.0, f64::max);
     let satisfied = CLUSTER_SATISFIED * fastest;
+    let (mut best, mut since_best) = (f64::INFINITY, 0);
     for round in 0..=REFLECTIONS_MAX {
+        let mut fastest_closing = 0.0_f64;
         scratch.violated.clear();
         let mut e = 1.0_f64;
         for (i, contact) in contacts.iter().enumerate() {
             let closing = contact.closing(members);
             if closing > satisfied && contact.compliance(members) > 0.0 {
                 scratch.violated.push(i);
+                fastest_closing = fastest_closing.max(closing);
                 e = e.min(restitution(closing));
             }
         }
         if scratch.violated.is_empty() {
             return true;
         }
-        if round == REFLECTIONS_MAX {
+        if fastest_closing < best {
+            (best, since_best) = (fastest_closing, 0);
+        }
+        since_best += 1;
+        let stuck = round == REFLECTIONS_MAX || since_best > 2 * contacts.len() + REFLECTIONS_STUCK;
+        if stuck {
             e = 0.0;
         }
         if e == 0.0 {
@@ -129,6 +154,9 @@ pub fn resolve_cluster(
                 contacts[*i].apply(members, impulse);
                 totals[*i] += impulse;
             }
+        }
+        if stuck {
+            return false;
         }
     }
     false
