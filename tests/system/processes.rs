@@ -52,7 +52,7 @@ fn a_named_port_that_is_taken_is_an_error_that_names_it() {
 }
 
 #[test]
-fn zenoh_configuration_files_say_where_to_listen_and_where_to_connect() {
+fn zenoh_files_and_settings_configure_servers_and_tools() {
     let _turn = turn();
     let directory = tempfile::tempdir().unwrap();
     let write = |name: &str, text: String| {
@@ -71,10 +71,15 @@ fn zenoh_configuration_files_say_where_to_listen_and_where_to_connect() {
         "client.json5",
         format!(r#"{{ mode: "client", connect: {{ endpoints: ["{}"] }} }}"#, server.endpoint()),
     );
-    let output = tests::run("ballroom", &["pause", "--cfg", &connect]);
+    let output = tests::run("ballroom", &["pause", "-c", &connect, "--cfg", "transport/link/tx/lease:5000"]);
     assert_eq!(output.code, Some(0), "{}", output.stderr);
-    let output = tests::run("ballroom", &["serve", "-c", "no/such.json5"]);
-    assert!(output.code == Some(1) && output.stderr.contains("no/such.json5"), "{}", output.stderr);
+    for wrong in [["-c", "no/such.json5"], ["--cfg", "no/such/key:1"]] {
+        for subcommand in ["serve", "pause"] {
+            let output = tests::run("ballroom", &[&[subcommand], &wrong[..]].concat());
+            assert_eq!(output.code, Some(1), "{}", output.stderr);
+            assert!(output.stderr.contains(wrong[1].split(':').next().unwrap()), "{}", output.stderr);
+        }
+    }
 }
 
 #[test]
