@@ -1,6 +1,6 @@
 //! A program of this workspace, running; it cannot outlive its test.
 
-use crate::wait::{PATIENCE, until};
+use crate::wait::{PATIENCE, within};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use std::io::{BufRead, BufReader, Read};
@@ -94,9 +94,9 @@ impl Process {
 
     /// Waits for the end and gives what is left of it.
     pub fn end(mut self, patience: Duration) -> Output {
-        let status = until(&format!("the end of {}", self.name), patience, || {
-            self.child.try_wait().unwrap_or_else(|e| panic!("{}: {e}", self.name))
-        });
+        let (name, child) = (&self.name, &mut self.child);
+        let ended = within(patience, || child.try_wait().unwrap_or_else(|e| panic!("{name}: {e}")));
+        let status = ended.unwrap_or_else(|| self.give_up(patience, "its end"));
         Output { code: status.code(), stdout: self.stdout.all(), stderr: self.stderr.all() }
     }
 
@@ -111,12 +111,17 @@ impl Process {
 
     fn wait_for<T>(&self, lines: &Lines, patience: Duration, find: impl Fn(&str) -> Option<T>) -> T {
         let mut seen = 0;
-        until(&format!("a line of {}; its stderr:\n{}", self.name, self.stderr.text()), patience, || {
+        let found = within(patience, || {
             let lines = lines.lock();
             let found = lines[seen..].iter().find_map(|line| find(line));
             seen = lines.len();
             found
-        })
+        });
+        found.unwrap_or_else(|| self.give_up(patience, "a line of it"))
+    }
+
+    fn give_up(&self, patience: Duration, what: &str) -> ! {
+        panic!("{}: waited {patience:?} in vain for {what}; its log:\n{}", self.name, self.stderr.text())
     }
 
     fn stop(&mut self) {

@@ -16,13 +16,18 @@ pub fn turn() -> MutexGuard<'static, ()> {
 }
 
 /// Probes until there is something, and panics when nothing has come within `patience`.
-pub fn until<T>(what: &str, patience: Duration, mut probe: impl FnMut() -> Option<T>) -> T {
+pub fn until<T>(what: &str, patience: Duration, probe: impl FnMut() -> Option<T>) -> T {
+    within(patience, probe).unwrap_or_else(|| panic!("waited {patience:?} in vain for {what}"))
+}
+
+/// Probes until there is something; none when nothing has come within `patience`.
+pub fn within<T>(patience: Duration, mut probe: impl FnMut() -> Option<T>) -> Option<T> {
     let deadline = Instant::now() + patience;
     loop {
-        if let Some(found) = probe() {
+        let found = probe();
+        if found.is_some() || Instant::now() > deadline {
             return found;
         }
-        assert!(Instant::now() < deadline, "waited {patience:?} in vain for {what}");
         std::thread::sleep(Duration::from_millis(5));
     }
 }

@@ -1,6 +1,8 @@
 //! Processes among others: ports, signals, what is linked.
 
+use ballroom_client::Presence;
 use nix::sys::signal::Signal;
+use protocol::keys::Role;
 use std::net::TcpListener;
 use std::process::Command;
 use std::time::Duration;
@@ -47,6 +49,54 @@ fn a_named_port_that_is_taken_is_an_error_that_names_it() {
     let output = tests::run("ballroom", &["serve", "-l", &endpoint]);
     assert_eq!(output.code, Some(1), "{}", output.stderr);
     assert!(output.stdout.is_empty() && output.stderr.contains(&endpoint), "{}", output.stderr);
+}
+
+#[test]
+fn zenoh_files_and_settings_configure_servers_and_tools() {
+    let _turn = turn();
+    let directory = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: String| {
+        let file = directory.path().join(name);
+        std::fs::write(&file, text).unwrap();
+        file.to_str().unwrap().to_owned()
+    };
+    let listen = write(
+        "server.json5",
+        r#"{ mode: "router", listen: { endpoints: ["tcp/127.0.0.1:0"] },
+             scouting: { delay: 0, multicast: { enabled: false } } }"#
+            .into(),
+    );
+    let server = Server::of(Process::start("ballroom", &["serve", "plane", "-c", &listen]));
+    let connect = write(
+        "client.json5",
+        format!(r#"{{ mode: "client", connect: {{ endpoints: ["{}"] }} }}"#, server.endpoint()),
+    );
+    let output = tests::run("ballroom", &["pause", "-c", &connect, "--cfg", "transport/link/tx/lease:5000"]);
+    assert_eq!(output.code, Some(0), "{}", output.stderr);
+    for wrong in [["-c", "no/such.json5"], ["--cfg", "no/such/key:1"]] {
+        for subcommand in ["serve", "pause"] {
+            let output = tests::run("ballroom", &[&[subcommand], &wrong[..]].concat());
+            assert_eq!(output.code, Some(1), "{}", output.stderr);
+            assert!(output.stderr.contains(wrong[1].split(':').next().unwrap()), "{}", output.stderr);
+        }
+    }
+}
+
+#[test]
+fn who_is_there_is_known_and_who_was_killed_is_missed() {
+    let _turn = turn();
+    let directory = tempfile::tempdir().unwrap();
+    let server = Server::start(&["plane"]);
+    let client = server.client();
+    let viewers = client.watch(Role::Viewer).unwrap();
+    let file = directory.path().join("ride.rrd");
+    let arguments = ["-e", server.endpoint(), "--no-viewer", "--save", file.to_str().unwrap()];
+    let viewer = Process::start("ballroom-viewer", &arguments);
+    let Some(Presence::Here(id)) = viewers.recv_timeout(PATIENCE).unwrap() else { panic!("no viewer came") };
+    viewer.kill();
+    assert_eq!(viewers.recv_timeout(PATIENCE).unwrap(), Some(Presence::Gone(id)));
+    let servers = client.watch(Role::Server).unwrap();
+    assert!(matches!(servers.recv_timeout(PATIENCE).unwrap(), Some(Presence::Here(_))));
 }
 
 #[test]

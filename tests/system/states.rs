@@ -2,11 +2,14 @@
 
 use ballroom_client::{Client, Follower, Update};
 use nix::sys::signal::Signal;
+use protocol::codec::encode_json;
 use protocol::command::{Command, Reply};
 use protocol::event::{Event, Other};
+use protocol::scene::Scene;
 use protocol::snapshot::{Snapshot, World};
 use std::time::{Duration, Instant};
 use tests::{PATIENCE, Process, Server, turn, until};
+use zenoh::Wait;
 
 fn next_world(follower: &mut Follower, patience: Duration) -> World {
     until("a world", patience, || match follower.next_within(Duration::from_millis(20)).unwrap() {
@@ -80,6 +83,40 @@ fn a_late_joiner_to_a_paused_arena_gets_the_world_too() {
     let world = next_world(&mut client.follow().unwrap(), PATIENCE);
     assert!(world.snapshot.paused && world.snapshot.tick == 0);
     assert_eq!(world.roster.names.len(), 6);
+}
+
+#[test]
+fn the_world_in_json_is_the_world_in_binary() {
+    let _turn = turn();
+    let server = Server::start(&["thousand", "--paused"]);
+    let client = server.client();
+    let question = client.session().get(format!("{}?format=json", client.keys().srv_snapshot()));
+    let reply = question.wait().unwrap().recv_timeout(PATIENCE).unwrap().expect("an answer");
+    let json = reply.into_result().unwrap().payload().to_bytes().into_owned();
+    // As text: not every reader of JSON gives back the last bit, but the writer must.
+    let binary = encode_json(&client.snapshot().unwrap());
+    assert!(
+        json == binary,
+        "{}\nis not\n{}",
+        String::from_utf8_lossy(&json),
+        String::from_utf8_lossy(&binary)
+    );
+}
+
+#[test]
+fn a_reset_begins_a_new_epoch_for_whoever_follows() {
+    let _turn = turn();
+    let server = Server::start(&["bowl"]);
+    let client = server.client();
+    let scenes = client.session().declare_subscriber(client.keys().meta_scene()).wait().unwrap();
+    let mut follower = client.follow().unwrap();
+    let before = next_state(&mut follower, PATIENCE);
+    assert_eq!(done(&client, &Command::Reset {}).epoch, before.epoch + 1);
+    let world = next_world(&mut follower, PATIENCE);
+    assert_eq!(world.snapshot.epoch, before.epoch + 1);
+    let scene = scenes.recv_timeout(PATIENCE).unwrap().expect("the scene again");
+    let scene: Scene = serde_json::from_slice(&scene.payload().to_bytes()).unwrap();
+    assert_eq!(scene, world.scene);
 }
 
 #[test]
