@@ -3,7 +3,7 @@
 
 use super::budget::Budget;
 use super::{Latest, NetworkError};
-use crate::inbox::{Answer, Inbox, Request};
+use crate::inbox::{Answer, Inbox, Refused, Request};
 use protocol::codec::{self, MAX_COMMAND_BYTES};
 use protocol::command::{Command, Reply};
 use protocol::keys::{Keys, Name};
@@ -72,8 +72,10 @@ fn commands(session: &Session, key: &str, gate: Arc<Gate>) -> Result<Queryable<(
         match gate.check(query.payload().unwrap_or(&empty), &asker) {
             Ok(command) => {
                 let answer: Answer = Box::new(move |reply| send_reply(&query, reply));
-                if let Err(Request { answer: Some(answer), .. }) = gate.offer(command, Some(answer)) {
-                    answer(&refusal("too many commands wait for one tick: send fewer".into()));
+                if let Err(Refused { request: Request { answer: Some(answer), .. }, why }) =
+                    gate.offer(command, Some(answer))
+                {
+                    answer(&refusal(why.into()));
                 }
             }
             Err(why) => send_reply(&query, &refusal(why)),
@@ -121,7 +123,7 @@ impl Gate {
         Err(why)
     }
 
-    fn offer(&self, command: Command, answer: Option<Answer>) -> Result<(), Request> {
+    fn offer(&self, command: Command, answer: Option<Answer>) -> Result<(), Refused> {
         let offered = self.inbox.offer(Request { command, answer });
         if offered.is_err() {
             self.inbox.count_refused();
