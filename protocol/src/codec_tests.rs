@@ -135,8 +135,8 @@ fn one_ball() -> Snapshot {
 fn the_version_is_the_first_thing_in_a_frame() {
     let mut bytes = Vec::new();
     encode_state(&one_ball(), &mut bytes);
-    // A map of 14, then the text "v", then 1.
-    assert_eq!(&bytes[..4], &[0xae, 0x61, b'v', 0x01]);
+    // A map of 15, then the text "v", then 1.
+    assert_eq!(&bytes[..4], &[0xaf, 0x61, b'v', 0x01]);
     bytes[3] = 2;
     assert_eq!(decode_state(&bytes), Err(CodecError::Version(2)));
 }
