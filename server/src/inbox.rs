@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// Most commands waiting for one tick.
 pub const INBOX_CAPACITY: usize = 1024;
 
-/// How a reply reaches whoever asked; called off the tick thread.
+/// How a reply reaches whoever asked; called off the tick thread, and may not wait there for the asker.
 pub type Answer = Box<dyn FnOnce(&Reply) + Send>;
 
 /// A command on its way.

@@ -111,6 +111,10 @@ impl Publisher {
         let Some(mut stats) = self.batch.stats.take() else { return };
         stats.states_published = self.published;
         stats.states_skipped = self.handover.skipped();
+        let held = stats.fallbacks.saturating_sub(self.latest.stats().fallbacks);
+        if held > 0 {
+            tracing::warn!("a ball was held for a moment {held} times, for its hits piled up");
+        }
         if is_wanted(&self.stats) {
             put(&self.stats, codec::encode_json(&stats));
         }
