@@ -14,6 +14,8 @@ use std::f64::consts::PI;
 /// Work a ball on average before a cloud is called too dense: one for each wall and each other ball looked at. Small
 /// balls in cells of large ones have many neighbours, so counting tries alone would not bound it.
 const LOOKS_PER_BALL: u64 = 10_000;
+/// Most work for one cloud, about a second's.
+const MAX_LOOKS: u64 = 100_000_000;
 /// What a try costs beside.
 const LOOKS_PER_TRY: u64 = 5;
 /// Relative room kept between balls and to walls, far above rounding and far below sight.
@@ -83,7 +85,7 @@ fn place(
     let around = Vector2::from(cloud.around_m);
     // A uniform disc of radius R has the mean square R^2 / 2.
     let speed = cloud.speed_rms_m_per_s * std::f64::consts::SQRT_2;
-    let mut looks = LOOKS_PER_BALL * u64::from(cloud.count);
+    let mut looks = (LOOKS_PER_BALL * u64::from(cloud.count)).min(MAX_LOOKS);
     let mut out = Vec::with_capacity(radii.len());
     for radius in radii {
         let center = loop {
