@@ -38,7 +38,7 @@ pub struct Stats {
     pub steps: u64,
     /// Commands obeyed and refused since the server started.
     pub commands_accepted: u64,
-    /// Refused: malformed, oversized, non-finite, unknown, or too many.
+    /// Refused: malformed, oversized, non-finite, unknown, or too many; questions that were refused count too.
     pub commands_refused: u64,
     /// States published, and states overtaken by a newer one before they were sent.
     pub states_published: u64,

@@ -9,7 +9,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// Hits kept while the publisher is busy.
-const HITS_CAPACITY: usize = 16_384;
+pub const HITS_CAPACITY: usize = 16_384;
 /// Snapshot buffers in circulation: one being written, one waiting, one being sent, one being asked for.
 const BUFFERS: usize = 4;
 
@@ -95,6 +95,11 @@ impl Handover {
         }
         drop(shelf);
         self.filled.notify_one();
+    }
+
+    /// Counts hits that found no room before they came here.
+    pub fn count_dropped(&self, hits: u64) {
+        self.lock().batch.hits_dropped += hits;
     }
 
     /// Says that nothing more will come.

@@ -3,13 +3,13 @@
 use protocol::command::{Command, Reply};
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Condvar, Mutex, PoisonError};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Most commands waiting for one tick.
 pub const INBOX_CAPACITY: usize = 1024;
 
-/// How a reply reaches whoever asked; called off the tick thread.
+/// How a reply reaches whoever asked; called off the tick thread, and may not wait there for the asker.
 pub type Answer = Box<dyn FnOnce(&Reply) + Send>;
 
 /// A command on its way.
@@ -28,23 +28,43 @@ pub struct Answered {
     pub reply: Reply,
 }
 
+/// A request that was not taken, and why.
+pub struct Refused {
+    /// The request, whole.
+    pub request: Request,
+    /// Why, for whoever asked.
+    pub why: &'static str,
+}
+
+/// What is said of whatever comes or waits when the tick loop has ended.
+pub const ENDING: &str = "the server ends";
+
 /// The queue between the network and the tick loop.
 #[derive(Default)]
 pub struct Inbox {
-    waiting: Mutex<VecDeque<Request>>,
+    waiting: Mutex<Waiting>,
     arrived: Condvar,
     accepted: AtomicU64,
     refused: AtomicU64,
 }
 
+#[derive(Default)]
+struct Waiting {
+    requests: VecDeque<Request>,
+    closed: bool,
+}
+
 impl Inbox {
-    /// Takes a request, or gives it back when the queue is full.
-    pub fn offer(&self, request: Request) -> Result<(), Request> {
-        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
-        if waiting.len() >= INBOX_CAPACITY {
-            return Err(request);
+    /// Takes a request, or gives it back when the queue is full or closed.
+    pub fn offer(&self, request: Request) -> Result<(), Refused> {
+        let mut waiting = self.lock();
+        if waiting.closed {
+            return Err(Refused { request, why: ENDING });
         }
-        waiting.push_back(request);
+        if waiting.requests.len() >= INBOX_CAPACITY {
+            return Err(Refused { request, why: "too many commands wait for one tick: send fewer" });
+        }
+        waiting.requests.push_back(request);
         drop(waiting);
         self.arrived.notify_one();
         Ok(())
@@ -52,13 +72,18 @@ impl Inbox {
 
     /// Moves everything that waits to the end of `out`, in order of arrival.
     pub fn drain_into(&self, out: &mut Vec<Request>) {
-        out.extend(self.waiting.lock().unwrap_or_else(PoisonError::into_inner).drain(..));
+        out.extend(self.lock().requests.drain(..));
+    }
+
+    /// Takes no more; what waits can still be drained.
+    pub fn close(&self) {
+        self.lock().closed = true;
     }
 
     /// Sleeps until `deadline` or until something waits.
     pub fn wait_until(&self, deadline: Instant) {
-        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
-        while waiting.is_empty() {
+        let mut waiting = self.lock();
+        while waiting.requests.is_empty() {
             let left = deadline.saturating_duration_since(Instant::now());
             if left == Duration::ZERO {
                 return;
@@ -67,12 +92,16 @@ impl Inbox {
         }
     }
 
+    fn lock(&self) -> MutexGuard<'_, Waiting> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Counts a command that was obeyed.
     pub fn count_accepted(&self) {
         self.accepted.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Counts a command that was refused, wherever that was.
+    /// Counts a command that was or a question that was refused, wherever that was.
     pub fn count_refused(&self) {
         self.refused.fetch_add(1, Ordering::Relaxed);
     }
@@ -106,6 +135,8 @@ mod tests {
         });
         assert!(ticks.eq(0..INBOX_CAPACITY as u64));
         assert!(inbox.offer(step(0)).is_ok());
+        inbox.close();
+        assert_eq!(inbox.offer(step(0)).err().map(|refused| refused.why), Some(ENDING));
     }
 
     #[test]

@@ -17,6 +17,8 @@ pub const FORCE_TIMEOUT_S: f64 = 0.5;
 pub struct Simulation {
     loaded: Arc<LoadedScene>,
     controller: Controller,
+    /// The controller at the start: a reset must not prove the floor again between two ticks.
+    pristine: Controller,
     roster: Arc<Roster>,
     /// The ball meant when a player names none.
     first_player: Option<usize>,
@@ -47,14 +49,17 @@ impl Simulation {
             energy_at_start,
             held: BTreeMap::new(),
             loaded,
+            pristine: controller.clone(),
             controller,
         })
     }
 
     /// The same scene from its start, as the next epoch.
-    pub fn reset(&mut self) -> Result<(), SceneError> {
-        *self = Self::new(self.loaded.clone(), self.tick_rate_hz, self.epoch + 1)?;
-        Ok(())
+    pub fn reset(&mut self) {
+        self.controller.clone_from(&self.pristine);
+        self.held.clear();
+        self.epoch += 1;
+        self.tick = 0;
     }
 
     /// Advances by one tick.
@@ -330,7 +335,7 @@ mod tests {
         for _ in 0..100 {
             simulation.advance();
         }
-        simulation.reset().unwrap();
+        simulation.reset();
         let again = state(&simulation);
         assert_eq!((again.epoch, again.tick), (8, 0));
         assert_eq!(Snapshot { epoch: 7, ..again }, first);

@@ -1,7 +1,7 @@
 //! The tick loop: a fixed rate on a plain thread. It never awaits, never publishes, and never chases lost time.
 
-use crate::handover::Handover;
-use crate::inbox::{Answer, Answered, Inbox, Request};
+use crate::handover::{HITS_CAPACITY, Handover};
+use crate::inbox::{Answer, Answered, ENDING, Inbox, Request};
 use crate::meter::Meter;
 use crate::simulation::{NumberedHit, Simulation};
 use protocol::command::{Command, Reply};
@@ -24,6 +24,8 @@ pub struct TickLoop {
     stop: Arc<AtomicBool>,
     paused: bool,
     speed_factor: f64,
+    /// When the next tick is due, while the clock runs.
+    due: Instant,
     stepping: Option<Stepping>,
     meter: Meter,
     /// Number of the epoch's next hit.
@@ -55,12 +57,13 @@ impl TickLoop {
             stop,
             paused,
             speed_factor: 1.0,
+            due: Instant::now(),
             stepping: None,
             meter: Meter::new(),
             sequence: 0,
             requests: Vec::with_capacity(crate::inbox::INBOX_CAPACITY),
             answers: Vec::with_capacity(crate::inbox::INBOX_CAPACITY),
-            hits: Vec::new(),
+            hits: Vec::with_capacity(HITS_CAPACITY),
         }
     }
 
@@ -70,7 +73,7 @@ impl TickLoop {
         // Also when a tick panics: the publisher must not wait for ever.
         let _end = OnDrop(|| handover.end());
         self.hand_over();
-        let mut due = Instant::now();
+        self.due = Instant::now();
         while !self.stop.load(Ordering::Relaxed) {
             let touched = self.apply_commands();
             let now = Instant::now();
@@ -80,22 +83,40 @@ impl TickLoop {
                 if touched {
                     self.hand_over();
                 }
-                due = now;
+                self.due = now;
                 self.inbox.wait_until(now + SLICE);
-            } else if now < due {
-                std::thread::sleep((due - now).min(SLICE));
+            } else if now < self.due {
+                std::thread::sleep((self.due - now).min(SLICE));
             } else {
                 self.tick();
                 self.hand_over();
-                due = self.next_deadline(due, now);
+                self.due = self.next_deadline(self.due, now);
             }
             self.report_each_second();
         }
+        self.refuse_what_waits();
+    }
+
+    /// Nobody who asked is left without an answer when the server ends.
+    fn refuse_what_waits(&mut self) {
+        self.end_stepping(ENDING);
+        self.inbox.close();
+        let mut requests = std::mem::take(&mut self.requests);
+        self.inbox.drain_into(&mut requests);
+        for answer in requests.drain(..).filter_map(|request| request.answer) {
+            self.inbox.count_refused();
+            let reply = self.reply(ENDING.to_owned());
+            self.answers.push(Answered { answer, reply });
+        }
+        self.handover.put(None, &mut self.hits, &mut self.answers, None);
+    }
+
+    fn period(&self) -> Duration {
+        Duration::from_secs_f64(1.0 / (f64::from(self.simulation.tick_rate_hz()) * self.speed_factor))
     }
 
     fn next_deadline(&mut self, due: Instant, began: Instant) -> Instant {
-        let period =
-            Duration::from_secs_f64(1.0 / (f64::from(self.simulation.tick_rate_hz()) * self.speed_factor));
+        let period = self.period();
         let (due, now) = (due + period, Instant::now());
         self.meter.record(now - began);
         let behind = now.saturating_duration_since(due);
@@ -108,9 +129,14 @@ impl TickLoop {
     fn tick(&mut self) {
         self.simulation.advance();
         let epoch = self.simulation.epoch();
-        for &hit in self.simulation.hits() {
-            self.hits.push(NumberedHit { epoch, sequence: self.sequence, hit });
-            self.sequence += 1;
+        let hits = self.simulation.hits();
+        // The handover has no room for more, and a tick takes no memory; the numbers tell what is missing.
+        let room = HITS_CAPACITY.saturating_sub(self.hits.len()).min(hits.len());
+        let numbered = (self.sequence..).zip(&hits[..room]);
+        self.hits.extend(numbered.map(|(sequence, &hit)| NumberedHit { epoch, sequence, hit }));
+        self.sequence += hits.len() as u64;
+        if room < hits.len() {
+            self.handover.count_dropped((hits.len() - room) as u64);
         }
     }
 
@@ -177,10 +203,13 @@ impl TickLoop {
             Command::Reset {} => {
                 self.end_stepping("reset before the last step");
                 self.sequence = 0;
-                self.simulation.reset().map_err(|e| e.to_string())
+                self.simulation.reset();
+                Ok(())
             }
             Command::Speed { factor } => {
                 self.speed_factor = *factor;
+                // A slow clock's next tick may have been far off.
+                self.due = self.due.min(Instant::now() + self.period());
                 Ok(())
             }
         };
@@ -285,7 +314,7 @@ mod tests {
     impl Drop for Running {
         fn drop(&mut self) {
             self.stop.store(true, Ordering::Relaxed);
-            self.thread.take().unwrap().join().unwrap();
+            self.thread.take().into_iter().for_each(|thread| thread.join().unwrap());
         }
     }
 
@@ -328,6 +357,35 @@ mod tests {
     }
 
     #[test]
+    fn a_clock_made_faster_does_not_wait_for_the_slow_tick() {
+        let running = Running::start(false, 1);
+        let slow = running.ask(Command::Speed { factor: 0.01 });
+        std::thread::sleep(Duration::from_millis(1500));
+        assert!(slow.ok && running.ask(Command::Speed { factor: 100.0 }).ok);
+        std::thread::sleep(Duration::from_millis(500));
+        assert!(running.ask(Command::Pause {}).tick > slow.tick + 10);
+    }
+
+    #[test]
+    fn whoever_still_waits_is_told_that_the_server_ends() {
+        let mut running = Running::start(true, 60);
+        let long = running.send(Command::Step { ticks: 1_000_000 });
+        while running.inbox.counts() == [0, 0] {
+            std::thread::yield_now();
+        }
+        running.stop.store(true, Ordering::Relaxed);
+        let late = running.inbox.clone();
+        running.thread.take().unwrap().join().unwrap();
+        assert!(late.offer(Request { command: Command::Pause {}, answer: None }).is_err());
+        let mut batch = Batch::default();
+        running.handover.take(&mut batch, Duration::ZERO);
+        assert!(batch.ended);
+        batch.answers.drain(..).for_each(|answered| (answered.answer)(&answered.reply));
+        let long = long.try_recv().unwrap();
+        assert!(!long.ok && long.error == ENDING && long.tick > 0, "{long:?}");
+    }
+
+    #[test]
     fn a_stall_costs_ticks_and_is_over_when_it_is_over() {
         let loaded = Arc::new(SceneText::open("plane").unwrap().load().unwrap());
         let simulation = Simulation::new(loaded, 1000, 1).unwrap();
@@ -343,7 +401,12 @@ mod tests {
 
     #[test]
     fn a_tick_with_its_handover_allocates_nothing_after_the_first_second() {
-        let loaded = Arc::new(SceneText::open("original").unwrap().load().unwrap());
+        assert_eq!(allocations("original", 20), 0);
+        assert_eq!(allocations("thousand", 2), 0);
+    }
+
+    fn allocations(scene: &str, seconds: u32) -> u64 {
+        let loaded = Arc::new(SceneText::open(scene).unwrap().load().unwrap());
         let simulation = Simulation::new(loaded, 60, 1).unwrap();
         let handover = Arc::new(Handover::new());
         let mut ticks = TickLoop::new(simulation, Arc::default(), handover.clone(), Arc::default(), false);
@@ -361,7 +424,6 @@ mod tests {
             }
         };
         second();
-        let allocated = allocation_counter::measure(|| (0..20).for_each(|_| second()));
-        assert_eq!(allocated.count_total, 0);
+        allocation_counter::measure(|| (0..seconds).for_each(|_| second())).count_total
     }
 }

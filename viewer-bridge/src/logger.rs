@@ -6,11 +6,13 @@ use crate::recording::Recording;
 use crate::slot::Slot;
 use crate::view::View;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 /// How long the end of a stream is waited for; a viewer that hangs must not hold up a shutdown.
 const FLUSH_PATIENCE: Duration = Duration::from_secs(2);
+/// The same for drawing what waits in the slot, which is one frame, and for closing the stream.
+const DRAW_PATIENCE: Duration = Duration::from_secs(1);
 /// Failures that are told one by one; later ones are only counted.
 const TOLD_FAILURES: u64 = 3;
 /// Frames may come this part of a period early, so that a server at the same rate loses none to jitter.
@@ -20,7 +22,8 @@ const EARLY: f64 = 0.25;
 pub struct Logger {
     name: &'static str,
     slot: Arc<Slot>,
-    done: Receiver<()>,
+    /// Says once whether everything was written, and hangs up when the stream is closed.
+    done: Receiver<bool>,
 }
 
 impl Logger {
@@ -32,13 +35,15 @@ impl Logger {
         let inlet = slot.clone();
         std::thread::Builder::new().name(format!("rerun-{name}")).spawn(move || {
             let stream = recording.stream().clone();
-            draw(recording, &slot, period.mul_f64(1.0 - EARLY), name);
-            if let Err(fault) = stream.flush_with_timeout(FLUSH_PATIENCE) {
+            let drawn = draw(recording, &slot, period.mul_f64(1.0 - EARLY), name);
+            let flushed = stream.flush_with_timeout(FLUSH_PATIENCE);
+            if let Err(fault) = &flushed {
                 tracing::error!("the {name} recording is incomplete: {fault}");
             }
-            // Dropping the stream flushes without any bound; whoever stops this thread does not wait for ever.
+            // Before the stream is dropped, which completes a file, and flushes without any bound.
+            finished.send(drawn && flushed.is_ok()).ok();
             drop(stream);
-            finished.send(()).ok();
+            drop(finished);
         })?;
         Ok(Self { name, slot: inlet, done })
     }
@@ -48,32 +53,32 @@ impl Logger {
         self.slot.clone()
     }
 
-    /// Ends the stream after what waits in the slot, and waits for that for two seconds at most. Returns whether
+    /// Ends the stream after what waits in the slot, and waits for that for four seconds at most. Returns whether
     /// everything was written.
     pub fn stop(self) -> bool {
         self.slot.close();
-        let written = self.done.recv_timeout(FLUSH_PATIENCE).is_ok();
-        if !written {
-            tracing::warn!(
-                "the {} recording did not end within {FLUSH_PATIENCE:?} and is left as it is",
-                self.name
-            );
+        let written = self.done.recv_timeout(DRAW_PATIENCE + FLUSH_PATIENCE);
+        let closed =
+            written.is_ok() && self.done.recv_timeout(DRAW_PATIENCE) != Err(RecvTimeoutError::Timeout);
+        if !closed {
+            tracing::warn!("the {} recording did not end in time and is left as it is", self.name);
         }
         let counts = self.slot.counts();
         tracing::info!(
-            "{}: {} states received, {} shown, {} dropped; {} hits dropped",
+            "{}: {} states received, {} shown, {} dropped, {} missed; {} hits dropped",
             self.name,
             counts.received,
             counts.shown,
             counts.dropped,
+            counts.missed,
             counts.hits_dropped
         );
-        written
+        closed && written.unwrap_or(false)
     }
 }
 
-/// Draws until the slot is closed and empty. A row that fails is lost, the next may not be.
-fn draw(recording: Recording, slot: &Slot, period: Duration, name: &str) {
+/// Draws until the slot is closed and empty. A row that fails is lost, the next may not be. Returns whether none was.
+fn draw(recording: Recording, slot: &Slot, period: Duration, name: &str) -> bool {
     let mut view = View::new(recording);
     let mut failures: u64 = 0;
     while let Some(news) = slot.take(Duration::from_secs(1)) {
@@ -89,4 +94,5 @@ fn draw(recording: Recording, slot: &Slot, period: Duration, name: &str) {
     if failures > TOLD_FAILURES {
         tracing::warn!("{failures} frames of the {name} recording are incomplete");
     }
+    failures == 0
 }

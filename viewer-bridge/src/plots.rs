@@ -44,7 +44,12 @@ impl Plots {
             (SPEED, &[("reached", 0x5CD6_C0FF), ("wanted", 0x9090_90FF)]),
             (
                 BRIDGE,
-                &[("received / s", 0x5C9E_E4FF), ("shown / s", 0x6FCF_7FFF), ("dropped / s", 0xE45C_5CFF)],
+                &[
+                    ("received / s", 0x5C9E_E4FF),
+                    ("shown / s", 0x6FCF_7FFF),
+                    ("dropped / s", 0xE45C_5CFF),
+                    ("hits dropped / s", 0xF2C1_4EFF),
+                ],
             ),
         ];
         for (path, series) in lines {
@@ -125,7 +130,12 @@ impl Plots {
         let received = rate(now.received, then.received);
         rec.log(
             BRIDGE,
-            &Scalars::new([received, rate(now.shown, then.shown), rate(now.dropped, then.dropped)]),
+            &Scalars::new([
+                received,
+                rate(now.shown, then.shown),
+                rate(now.dropped + now.missed, then.dropped + then.missed),
+                rate(now.hits_dropped, then.hits_dropped),
+            ]),
         )
     }
 }

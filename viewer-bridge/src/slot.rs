@@ -32,7 +32,9 @@ pub struct Counts {
     pub shown: u64,
     /// States overtaken by a newer one before they were taken.
     pub dropped: u64,
-    /// Hits dropped because too many waited.
+    /// Ticks between states that came: at the server or on the way a newer state overtook theirs.
+    pub missed: u64,
+    /// Hits that are not shown: too many waited, a new world overtook them, or their numbers never came.
     pub hits_dropped: u64,
 }
 
@@ -68,10 +70,32 @@ struct Inside {
     stats: Option<Stats>,
     notes: VecDeque<Note>,
     counts: Counts,
+    /// Epoch and tick of the last state that came.
+    last_state: Option<[u64; 2]>,
+    /// Epoch and number of the last hit that came.
+    last_hit: Option<[u64; 2]>,
     closed: bool,
 }
 
+/// Numbers left out between two that came, each with its epoch; in a new epoch they begin at `first`.
+const fn gap([last_epoch, last]: [u64; 2], [epoch, number]: [u64; 2], first: u64) -> u64 {
+    let expected = if epoch == last_epoch { last + 1 } else { first };
+    number.saturating_sub(expected)
+}
+
 impl Inside {
+    fn receive(&mut self, state: &Snapshot) {
+        let here = [state.epoch, state.tick];
+        self.counts.received += 1;
+        self.counts.missed += self.last_state.replace(here).map_or(0, |last| gap(last, here, state.tick));
+    }
+
+    fn receive_hit(&mut self, hit: Event) {
+        let here = [hit.epoch, hit.sequence];
+        self.counts.hits_dropped += self.last_hit.replace(here).map_or(0, |last| gap(last, here, 0));
+        self.hits.push_back(hit);
+    }
+
     fn has_news(&self) -> bool {
         self.world.is_some()
             || self.state.is_some()
@@ -85,8 +109,9 @@ impl Slot {
     /// A world to start from; what waited before it is overtaken.
     pub fn world(&self, world: Arc<World>) {
         let mut inside = self.lock();
-        inside.counts.received += 1;
+        inside.receive(&world.snapshot);
         inside.counts.dropped += u64::from(inside.state.take().is_some()) + u64::from(inside.world.is_some());
+        inside.counts.hits_dropped += inside.hits.len() as u64;
         inside.hits.clear();
         inside.world = Some(world);
         self.changed.notify_one();
@@ -95,7 +120,7 @@ impl Slot {
     /// A newer state.
     pub fn state(&self, state: Arc<Snapshot>) {
         let mut inside = self.lock();
-        inside.counts.received += 1;
+        inside.receive(&state);
         inside.counts.dropped += u64::from(inside.state.replace(state).is_some());
         self.changed.notify_one();
     }
@@ -103,7 +128,7 @@ impl Slot {
     /// Hits, oldest first. They are shown with the next state and do not wake anybody.
     pub fn hits(&self, hits: impl IntoIterator<Item = Event>) {
         let mut inside = self.lock();
-        inside.hits.extend(hits);
+        hits.into_iter().for_each(|hit| inside.receive_hit(hit));
         let excess = inside.hits.len().saturating_sub(MAX_HITS);
         inside.hits.drain(..excess);
         inside.counts.hits_dropped += excess as u64;
@@ -177,13 +202,18 @@ mod tests {
         Arc::new(Snapshot { tick, ..Snapshot::default() })
     }
 
+    fn hit(epoch: u64, sequence: u64) -> Event {
+        let (ball, other) = (String::new(), Other::Wall(0));
+        Event { epoch, sequence, time_s: 0.0, ball, other, point_m: [0.0; 3], impulse_n_s: 1.0 }
+    }
+
     #[test]
     fn only_the_newest_state_waits_and_the_others_are_counted() {
         let slot = Slot::default();
         (1..=10).for_each(|tick| slot.state(state(tick)));
         let news = slot.take(Duration::ZERO).unwrap();
         assert_eq!(news.state.unwrap().tick, 10);
-        assert_eq!(news.counts, Counts { received: 10, shown: 1, dropped: 9, hits_dropped: 0 });
+        assert_eq!(news.counts, Counts { received: 10, shown: 1, dropped: 9, missed: 0, hits_dropped: 0 });
     }
 
     #[test]
@@ -209,18 +239,23 @@ mod tests {
     }
 
     #[test]
+    fn what_never_came_is_counted_from_the_gaps() {
+        let slot = Slot::default();
+        for tick in [5, 6, 9] {
+            slot.state(state(tick));
+        }
+        slot.state(Arc::new(Snapshot { epoch: 1, tick: 40, ..Snapshot::default() }));
+        assert_eq!(slot.counts().missed, 2);
+        slot.hits([(1, 7), (1, 8), (1, 11), (2, 1)].map(|(epoch, sequence)| hit(epoch, sequence)));
+        assert_eq!(slot.counts().hits_dropped, 3);
+        slot.world(Arc::new(crate::testing::original()));
+        assert_eq!(slot.counts().hits_dropped, 3 + 4);
+    }
+
+    #[test]
     fn hits_and_notes_are_bounded_and_the_newest_stay() {
         let slot = Slot::default();
-        let hit = |sequence| Event {
-            epoch: 1,
-            sequence,
-            time_s: 0.0,
-            ball: String::new(),
-            other: Other::Wall(0),
-            point_m: [0.0; 3],
-            impulse_n_s: 1.0,
-        };
-        slot.hits((0..5000).map(hit));
+        slot.hits((0..5000).map(|sequence| hit(1, sequence)));
         (0..100).for_each(|i| slot.note(false, i.to_string()));
         let news = slot.take(Duration::ZERO).unwrap();
         assert_eq!((news.hits.len(), news.hits.last().unwrap().sequence), (MAX_HITS, 4999));

@@ -10,15 +10,19 @@ use protocol::keys::{Keys, Name, Role};
 use protocol::scene::Scene;
 use protocol::snapshot::{Snapshot, World};
 use protocol::stats::Stats;
-use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 use zenoh::Wait;
 use zenoh::bytes::Encoding;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::qos::{CongestionControl, Priority};
+use zenoh::query::Querier;
 
 /// First pause between two attempts to reach a server, and the longest.
 const RETRY: [Duration; 2] = [Duration::from_millis(100), Duration::from_millis(500)];
+/// Pause between two looks at whether anybody takes commands.
+const LOOK_AGAIN: Duration = Duration::from_millis(10);
 /// Answers looked at for one question; more than one server is already one too many.
 const MAX_ANSWERS: usize = 16;
 
@@ -45,6 +49,12 @@ pub enum ClientError {
         question: String,
         /// How long.
         waited: Duration,
+    },
+    /// There, and gone before it answered.
+    #[error("the server went away before it answered {question}: whether it acted on it is unknown")]
+    Lost {
+        /// What was asked, by key.
+        question: String,
     },
     /// The server refused the question itself.
     #[error("the server refused {question}: {why}")]
@@ -88,6 +98,8 @@ impl ClientError {
 pub struct Client {
     session: zenoh::Session,
     keys: Keys,
+    /// Knows whether anybody takes commands.
+    commands: Arc<Querier<'static>>,
     options: ClientOptions,
     opened: Instant,
 }
@@ -116,7 +128,9 @@ impl Client {
             std::thread::sleep(pause);
             pause = pause.mul_f64(1.5).min(RETRY[1]);
         };
-        Ok(Self { session, keys: Keys::new(&options.arena), options, opened })
+        let keys = Keys::new(&options.arena);
+        let commands = session.declare_querier(keys.srv_command()).timeout(options.timeout).wait()?;
+        Ok(Self { session, keys, commands: Arc::new(commands), options, opened })
     }
 
     /// The keys of this client's arena.
@@ -134,41 +148,51 @@ impl Client {
         &self.session
     }
 
-    /// Sends a command and waits for the answer: done at which tick, or why not.
+    /// Sends a command and waits for the answer: done at which tick, or why not. It is sent once: a second one would
+    /// be obeyed a second time.
     pub fn command(&self, command: &Command) -> Result<Reply, ClientError> {
         command.check()?;
-        let bytes = self.ask(&self.keys.srv_command(), Some(&codec::encode_json(command)))?;
-        Ok(codec::decode_json(&bytes)?)
+        while !self.commands.matching_status().wait()?.matching() {
+            self.wait_for_server(LOOK_AGAIN)?;
+        }
+        let (answers, inbox) = sync_channel(MAX_ANSWERS);
+        let question = self.commands.get().payload(codec::encode_json(command));
+        question
+            .encoding(Encoding::APPLICATION_JSON)
+            .callback(move |reply| drop(answers.try_send(reply)))
+            .wait()?;
+        let key = self.keys.srv_command();
+        let bytes = first_answer(&inbox, &key, self.options.timeout)?;
+        Ok(codec::decode_json(&bytes.ok_or(ClientError::Lost { question: key })?)?)
     }
 
     /// The world as it is now, in full precision.
     pub fn snapshot(&self) -> Result<World, ClientError> {
-        Ok(codec::decode_world(&self.ask(&self.keys.srv_snapshot(), None)?)?)
+        Ok(codec::decode_world(&self.ask(&self.keys.srv_snapshot())?)?)
     }
 
     /// The scene as served.
     pub fn scene(&self) -> Result<Scene, ClientError> {
-        Ok(codec::decode_json(&self.ask(&self.keys.srv_scene(), None)?)?)
+        Ok(codec::decode_json(&self.ask(&self.keys.srv_scene())?)?)
     }
 
     /// The newest statistics.
     pub fn stats(&self) -> Result<Stats, ClientError> {
-        Ok(codec::decode_json(&self.ask(&self.keys.srv_stats(), None)?)?)
+        Ok(codec::decode_json(&self.ask(&self.keys.srv_stats())?)?)
     }
 
     /// The newest statistics without waiting for a server to appear.
     pub(crate) fn stats_now(&self, timeout: Duration) -> Result<Stats, ClientError> {
         let key = self.keys.srv_stats();
-        let bytes = self.ask_once(&key, None, timeout)?.ok_or_else(|| self.no_server(timeout))?;
+        let bytes = self.ask_once(&key, timeout)?.ok_or_else(|| self.no_server(timeout))?;
         Ok(codec::decode_json(&bytes)?)
     }
 
     /// The world without waiting for a server to appear.
     pub(crate) fn snapshot_now(&self) -> Result<World, ClientError> {
         let timeout = self.options.timeout;
-        let bytes = self
-            .ask_once(&self.keys.srv_snapshot(), None, timeout)?
-            .ok_or_else(|| self.no_server(timeout))?;
+        let bytes =
+            self.ask_once(&self.keys.srv_snapshot(), timeout)?.ok_or_else(|| self.no_server(timeout))?;
         Ok(codec::decode_world(&bytes)?)
     }
 
@@ -216,53 +240,36 @@ impl Client {
     }
 
     /// Asks until somebody answers, as long as the client's patience lasts.
-    fn ask(&self, key: &str, payload: Option<&[u8]>) -> Result<Vec<u8>, ClientError> {
+    fn ask(&self, key: &str) -> Result<Vec<u8>, ClientError> {
         loop {
-            if let Some(answer) = self.ask_once(key, payload, self.options.timeout)? {
+            if let Some(answer) = self.ask_once(key, self.options.timeout)? {
                 return Ok(answer);
             }
-            // Nobody had declared this question, hence nobody acted on it: asking again is safe. Just after the
-            // session opened the server's declarations may not have arrived yet.
-            let waited = self.opened.elapsed();
-            if self.options.abort.is_aborted() {
-                return Err(ClientError::Aborted);
-            }
-            if matches!(self.options.patience, Patience::GiveUpAfter(limit) if waited > limit) {
-                return Err(self.no_server(waited));
-            }
-            std::thread::sleep(RETRY[0]);
+            // Nobody served it; just after the session opened the server's declarations may not have arrived yet.
+            self.wait_for_server(RETRY[0])?;
         }
     }
 
+    /// Sleeps before another attempt, unless there shall be none.
+    fn wait_for_server(&self, pause: Duration) -> Result<(), ClientError> {
+        let waited = self.opened.elapsed();
+        if self.options.abort.is_aborted() {
+            return Err(ClientError::Aborted);
+        }
+        if matches!(self.options.patience, Patience::GiveUpAfter(limit) if waited > limit) {
+            return Err(self.no_server(waited));
+        }
+        std::thread::sleep(pause);
+        Ok(())
+    }
+
     /// One answer, or none when nobody serves this key.
-    fn ask_once(
-        &self,
-        key: &str,
-        payload: Option<&[u8]>,
-        timeout: Duration,
-    ) -> Result<Option<Vec<u8>>, ClientError> {
+    fn ask_once(&self, key: &str, timeout: Duration) -> Result<Option<Vec<u8>>, ClientError> {
         // Dropping what does not fit keeps the session's receiving thread free whatever is sent.
         let (answers, inbox) = sync_channel(MAX_ANSWERS);
-        let mut question = self.session.get(key).timeout(timeout);
-        if let Some(payload) = payload {
-            question = question.payload(payload.to_vec()).encoding(Encoding::APPLICATION_JSON);
-        }
+        let question = self.session.get(key).timeout(timeout);
         question.callback(move |reply| drop(answers.try_send(reply))).wait()?;
-        let no_answer = || ClientError::NoAnswer { question: key.to_owned(), waited: timeout };
-        match inbox.recv_timeout(timeout + RETRY[0]) {
-            Ok(reply) => match reply.into_result() {
-                Ok(sample) => Ok(Some(sample.payload().to_bytes().into_owned())),
-                Err(error) => match error.payload().try_to_string() {
-                    Ok(why) if why == "Timeout" => Err(no_answer()),
-                    why => {
-                        let why = why.map_or_else(|_| "no text".to_owned(), std::borrow::Cow::into_owned);
-                        Err(ClientError::Refused { question: key.to_owned(), why })
-                    }
-                },
-            },
-            Err(RecvTimeoutError::Disconnected) => Ok(None),
-            Err(RecvTimeoutError::Timeout) => Err(no_answer()),
-        }
+        first_answer(&inbox, key, timeout)
     }
 
     fn no_server(&self, waited: Duration) -> ClientError {
@@ -273,5 +280,28 @@ impl Client {
             whereabouts: self.options.whereabouts(),
             waited,
         }
+    }
+}
+
+/// The first answer to a question; none when it ended without one.
+fn first_answer(
+    inbox: &Receiver<zenoh::query::Reply>,
+    key: &str,
+    timeout: Duration,
+) -> Result<Option<Vec<u8>>, ClientError> {
+    let no_answer = || ClientError::NoAnswer { question: key.to_owned(), waited: timeout };
+    match inbox.recv_timeout(timeout + RETRY[0]) {
+        Ok(reply) => match reply.into_result() {
+            Ok(sample) => Ok(Some(sample.payload().to_bytes().into_owned())),
+            Err(error) => match error.payload().try_to_string() {
+                Ok(why) if why == "Timeout" => Err(no_answer()),
+                why => {
+                    let why = why.map_or_else(|_| "no text".to_owned(), std::borrow::Cow::into_owned);
+                    Err(ClientError::Refused { question: key.to_owned(), why })
+                }
+            },
+        },
+        Err(RecvTimeoutError::Disconnected) => Ok(None),
+        Err(RecvTimeoutError::Timeout) => Err(no_answer()),
     }
 }

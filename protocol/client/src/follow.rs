@@ -138,6 +138,8 @@ impl Follower {
             match self.client.stats_now(SILENCE) {
                 Ok(stats) if stats.epoch == known.epoch => {}
                 Ok(_) => self.known = None,
+                // Too busy for a question is not gone.
+                Err(ClientError::Refused { .. }) => {}
                 Err(_) => return Ok(self.lose()),
             }
         }

@@ -18,3 +18,4 @@ pub use client::{Client, ClientError};
 pub use feed::{Feed, Presence, Presences};
 pub use follow::{Follower, Update};
 pub use options::{Abort, ClientOptions, DEFAULT_ENDPOINT, Patience, Setting};
+pub use zenoh::liveliness::LivelinessToken;

@@ -4,9 +4,11 @@
 //! |---|---|
 //! | `session` | one session that is its own router |
 //! | `services` | commands and questions coming in |
-//! | `budget` | how many commands one source may send |
+//! | `budget` | how many commands and questions one source may send |
+//! | `answers` | everything that is answered, on a thread of its own |
 //! | `publisher` | states, hits and statistics going out, on a thread of its own |
 
+mod answers;
 mod budget;
 mod publisher;
 mod services;
@@ -21,6 +23,7 @@ use protocol::keys::{Keys, Name, Role};
 use protocol::scene::Scene;
 use protocol::snapshot::{Roster, Snapshot, World};
 use protocol::stats::Stats;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use zenoh::Wait;
@@ -49,6 +52,9 @@ pub enum NetworkError {
         /// Last tried.
         last: u16,
     },
+    /// No thread could be started.
+    #[error("no thread could be started: {0}")]
+    Thread(#[from] std::io::Error),
     /// Zenoh failed.
     #[error("Zenoh: {0}")]
     Zenoh(#[from] zenoh::Error),
@@ -93,6 +99,7 @@ pub(crate) struct Network {
     endpoints: Vec<String>,
     publisher: publisher::Publisher,
     services: services::Services,
+    answered: Receiver<()>,
     alive: zenoh::liveliness::LivelinessToken,
 }
 
@@ -117,12 +124,14 @@ impl Network {
         });
         let keys = Keys::new(&options.arena);
         let (session, endpoints) = session::open(options)?;
-        let services = services::Services::declare(&session, &keys, &latest, inbox)?;
+        let (answers, answered) = answers::Answers::start(latest.clone())?;
+        let services = services::Services::declare(&session, &keys, &answers, inbox)?;
+        drop(answers);
         let publisher = publisher::Publisher::declare(&session, &keys, latest, handover)?;
         // Last: who sees the token finds everything else in place. The epoch is a number, so this is a name.
         let id: Name = simulation.epoch().to_string().parse().expect("digits are a name");
         let alive = session.liveliness().declare_token(keys.alive(Role::Server, &id)).wait()?;
-        Ok(Self { session, endpoints, publisher, services, alive })
+        Ok(Self { session, endpoints, publisher, services, answered, alive })
     }
 
     pub(crate) fn endpoints(&self) -> &[String] {
@@ -133,6 +142,10 @@ impl Network {
     pub(crate) fn run(mut self) {
         self.publisher.run();
         drop((self.alive, self.services, self.publisher));
+        // What is still to be answered goes out first; a client that does not read has to do without.
+        if self.answered.recv_timeout(CLOSE_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
+            tracing::debug!("not everything was answered");
+        }
         // Closing may wait long for a link that is in trouble; nobody has to wait for that.
         let (done, closed) = std::sync::mpsc::sync_channel(1);
         let session = self.session;

@@ -79,17 +79,22 @@ impl Publisher {
 
     fn publish_state(&mut self) {
         let Some(state) = self.batch.state.take() else { return };
-        if is_wanted(&self.state) {
+        let frame = is_wanted(&self.state).then(|| {
             let mut frame = Vec::with_capacity(self.frame_bytes);
             codec::encode_state(&state, &mut frame);
             self.frame_bytes = frame.len();
+            frame
+        });
+        let is_new_epoch = self.epoch.replace(state.epoch) != Some(state.epoch);
+        // Before anybody hears of it: who sees a new epoch asks for its world.
+        self.handover.recycle(self.latest.replace_state(state));
+        if let Some(frame) = frame {
             put(&self.state, frame);
             self.published += 1;
         }
-        if self.epoch.replace(state.epoch) != Some(state.epoch) && is_wanted(&self.scene) {
+        if is_new_epoch && is_wanted(&self.scene) {
             put(&self.scene, codec::encode_json(&*self.latest.scene));
         }
-        self.handover.recycle(self.latest.replace_state(state));
     }
 
     fn publish_hits(&mut self) {
@@ -106,6 +111,10 @@ impl Publisher {
         let Some(mut stats) = self.batch.stats.take() else { return };
         stats.states_published = self.published;
         stats.states_skipped = self.handover.skipped();
+        let held = stats.fallbacks.saturating_sub(self.latest.stats().fallbacks);
+        if held > 0 {
+            tracing::warn!("a ball was held for a moment {held} times, for its hits piled up");
+        }
         if is_wanted(&self.stats) {
             put(&self.stats, codec::encode_json(&stats));
         }

@@ -11,8 +11,13 @@ use protocol::scene::{Cloud, Floor, Scene};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Tries a ball on average before a cloud is called too dense.
-const TRIES_PER_BALL: u64 = 2_000;
+/// Work a ball on average before a cloud is called too dense: one for each wall and each other ball looked at. Small
+/// balls in cells of large ones have many neighbours, so counting tries alone would not bound it.
+const LOOKS_PER_BALL: u64 = 10_000;
+/// Most work for one cloud, about a second's.
+const MAX_LOOKS: u64 = 100_000_000;
+/// What a try costs beside.
+const LOOKS_PER_TRY: u64 = 5;
 /// Relative room kept between balls and to walls, far above rounding and far below sight.
 const ROOM: f64 = 1e-9;
 
@@ -80,11 +85,11 @@ fn place(
     let around = Vector2::from(cloud.around_m);
     // A uniform disc of radius R has the mean square R^2 / 2.
     let speed = cloud.speed_rms_m_per_s * std::f64::consts::SQRT_2;
-    let mut tries = TRIES_PER_BALL * u64::from(cloud.count);
+    let mut looks = (LOOKS_PER_BALL * u64::from(cloud.count)).min(MAX_LOOKS);
     let mut out = Vec::with_capacity(radii.len());
     for radius in radii {
         let center = loop {
-            if tries == 0 {
+            if looks == 0 {
                 let message = format!(
                     "only {} of {} balls found room: make within_m larger, or radius_m or count smaller",
                     out.len(),
@@ -92,11 +97,11 @@ fn place(
                 );
                 return Err(text.error(format_args!("cloud[{index}].within_m"), message));
             }
-            tries -= 1;
+            looks = looks.saturating_sub(LOOKS_PER_TRY + walls.len() as u64);
             let center = around + random.in_disc() * cloud.within_m;
             let inside =
                 |(wall, _): &(Wall, String)| wall.normal.dot(&(center - wall.point)) >= radius * (1.0 + ROOM);
-            if walls.iter().all(inside) && crowd.has_room(center, radius) {
+            if walls.iter().all(inside) && crowd.has_room(center, radius, &mut looks) {
                 break center;
             }
         };
@@ -137,10 +142,12 @@ impl Crowd {
         self.cells.entry(self.key(xy)).or_default().push((xy, radius));
     }
 
-    fn has_room(&self, xy: Vector2<f64>, radius: f64) -> bool {
+    /// Whether a disc fits; each neighbour looked at is taken off `looks`.
+    fn has_room(&self, xy: Vector2<f64>, radius: f64, looks: &mut u64) -> bool {
         let [i, j] = self.key(xy);
         let near = (i - 1..=i + 1).flat_map(|i| self.cells.range([i, j - 1]..=[i, j + 1]));
         near.flat_map(|(_, discs)| discs).all(|(other, r)| {
+            *looks = looks.saturating_sub(1);
             let reach = (radius + r) * (1.0 + ROOM);
             (xy - other).norm_squared() >= reach * reach
         })

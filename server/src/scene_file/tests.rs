@@ -83,6 +83,9 @@ fn a_cloud_too_dense_says_so_instead_of_searching_for_ever() {
     let cloud = "[[cloud]]\nname = \"c\"\ncount = 400\nradius_m = [0.3, 0.3]\ndensity_kg_per_m3 = 1.0\nwithin_m = 3.0\n";
     let message = fault(format!("{HEAD}{cloud}"));
     assert!(message.starts_with("t.toml:11:1: cloud[0].within_m: only "), "{message}");
+    // Hardly any try fails here, but each looks at all the others.
+    let crowded = cloud.replace("400", "100000").replace("[0.3, 0.3]", "[1e-6, 1.0]");
+    assert!(fault(format!("{HEAD}{crowded}")).contains("found room"));
     let huge = cloud.replace("400", "100001");
     assert!(
         fault(format!("{HEAD}{huge}")).contains("cloud[0].count: is 100001: use a number from 1 to 100000")

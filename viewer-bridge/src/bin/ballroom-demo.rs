@@ -36,7 +36,7 @@ usage, 130 ended at once by a second signal.";
 const DRAW_EVERY: Duration = Duration::from_millis(100);
 const LOG_EVERY: Duration = Duration::from_secs(10);
 /// Longest wait for a key before the rest is looked after.
-const KEY_PATIENCE: Duration = Duration::from_millis(20);
+const KEY_PATIENCE: Duration = Duration::from_millis(10);
 /// How long the arena may take to end.
 const ARENA_PATIENCE: Duration = Duration::from_secs(3);
 
@@ -156,16 +156,22 @@ impl Table<'_> {
         let mut status = Status::default();
         let mut drawn = Instant::now();
         while self.goes_on()? {
-            if event::poll(KEY_PATIENCE)?
-                && let Event::Key(key) = event::read()?
-                && let Some(wish) = keys.wish(key)
-            {
+            let wish = if event::poll(KEY_PATIENCE)? {
+                match event::read()? {
+                    Event::Key(key) => keys.wish(key),
+                    Event::FocusLost => keys.let_go(),
+                    _ => None,
+                }
+            } else {
+                None
+            };
+            if let Some(wish) = wish {
                 if wish == Wish::Quit {
                     return Ok(());
                 }
                 pilot.fulfil(wish, status.paused, status.speed_factor());
             }
-            pilot.renew(keys.held());
+            pilot.renew(keys.held(), status.speed_factor());
             self.update(&mut status, Duration::ZERO);
             if drawn.elapsed() >= DRAW_EVERY {
                 drawn = Instant::now();

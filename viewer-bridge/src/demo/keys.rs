@@ -75,6 +75,12 @@ impl Keys {
         (length > 0.0).then(|| [x, y].map(|c| (c / length).clamp(-0.999_999, 0.999_999)))
     }
 
+    /// Lets go of everything: a window that loses its focus is not told of releases any more.
+    pub fn let_go(&mut self) -> Option<Wish> {
+        let held = std::mem::take(&mut self.down).contains(&true);
+        held.then_some(Wish::Hold(None))
+    }
+
     fn arrow(&mut self, arrow: usize, kind: KeyEventKind) -> Option<Wish> {
         match (self.releases, kind) {
             (false, KeyEventKind::Press | KeyEventKind::Repeat) => Some(Wish::Push(ARROWS[arrow].1)),
@@ -112,6 +118,13 @@ mod tests {
         assert_eq!(keys.wish(key(KeyCode::Up, KeyEventKind::Repeat)), None);
         keys.wish(key(KeyCode::Up, KeyEventKind::Release));
         assert_eq!(keys.wish(key(KeyCode::Right, KeyEventKind::Release)), Some(Wish::Hold(None)));
+    }
+
+    #[test]
+    fn a_lost_focus_lets_go_once() {
+        let mut keys = Keys::new(true);
+        keys.wish(key(KeyCode::Up, KeyEventKind::Press));
+        assert_eq!((keys.let_go(), keys.let_go(), keys.held()), (Some(Wish::Hold(None)), None, None));
     }
 
     #[test]

@@ -1,6 +1,9 @@
 //! The terminal: raw mode with one status line at the bottom, log lines above it, and back to normal at every end.
 
-use crossterm::event::{KeyboardEnhancementFlags, PopKeyboardEnhancementFlags, PushKeyboardEnhancementFlags};
+use crossterm::event::{
+    DisableFocusChange, EnableFocusChange, KeyboardEnhancementFlags, PopKeyboardEnhancementFlags,
+    PushKeyboardEnhancementFlags,
+};
 use crossterm::terminal::{Clear, ClearType};
 use crossterm::{cursor, execute, queue, terminal};
 use std::io::{self, IsTerminal, Write};
@@ -46,7 +49,7 @@ impl RawMode {
         if screen.releases && !cfg!(windows) {
             execute!(io::stderr(), PushKeyboardEnhancementFlags(flags))?;
         }
-        execute!(io::stderr(), cursor::Hide)?;
+        execute!(io::stderr(), EnableFocusChange, cursor::Hide)?;
         drop(screen);
         Ok(Some(guard))
     }
@@ -87,7 +90,7 @@ pub fn restore() {
         execute!(out, PopKeyboardEnhancementFlags).ok();
     }
     // The last status stays as the last line.
-    execute!(out, cursor::Show).ok();
+    execute!(out, DisableFocusChange, cursor::Show).ok();
     terminal::disable_raw_mode().ok();
     writeln!(out).ok();
 }

@@ -1,0 +1,84 @@
+//! Everything that is answered, on a thread of its own: a client that asks and stops reading holds up other answers at
+//! most, never a state or Zenoh's receiving threads.
+
+use super::Latest;
+use protocol::codec;
+use protocol::command::Reply;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use zenoh::Wait;
+use zenoh::bytes::Encoding;
+use zenoh::query::Query;
+
+/// Answers that wait; a question beyond them is dropped, which whoever asked sees at once.
+const MAX_WAITING: usize = 256;
+
+/// What to answer.
+pub enum Answer {
+    /// What came of a command.
+    Reply(Reply),
+    /// The world as it is when the answer is made.
+    World {
+        /// Rather than binary.
+        as_json: bool,
+    },
+    /// The scene as served.
+    Scene,
+    /// The newest statistics.
+    Stats,
+    /// Frames, units, versions.
+    Info,
+    /// Why there is no answer.
+    Fault(String),
+}
+
+/// The way to the answering thread, which ends when all copies of it are gone.
+#[derive(Clone)]
+pub struct Answers(SyncSender<(Query, Answer)>);
+
+impl Answers {
+    /// Starts the thread; the receiver hears when it has ended.
+    pub fn start(latest: Arc<Latest>) -> std::io::Result<(Self, Receiver<()>)> {
+        let (queue, waiting) = sync_channel::<(Query, Answer)>(MAX_WAITING);
+        let (finished, ended) = sync_channel(1);
+        std::thread::Builder::new().name("answer".into()).spawn(move || {
+            for (query, answer) in waiting {
+                send(&latest, &query, answer);
+            }
+            drop(finished);
+        })?;
+        Ok((Self(queue), ended))
+    }
+
+    /// Has a query answered, without waiting; false when too many wait already.
+    pub fn give(&self, query: Query, answer: Answer) -> bool {
+        self.0.try_send((query, answer)).is_ok()
+    }
+}
+
+fn send(latest: &Latest, query: &Query, answer: Answer) {
+    let (bytes, encoding) = match answer {
+        Answer::Reply(reply) => json(&reply),
+        Answer::World { as_json: true } => json(&latest.world()),
+        Answer::World { as_json: false } => {
+            (codec::encode_world(&latest.world()), Encoding::APPLICATION_CBOR)
+        }
+        Answer::Scene => json(&*latest.scene),
+        Answer::Stats => json(&latest.stats()),
+        Answer::Info => json(&latest.info),
+        Answer::Fault(why) => {
+            return tell(query, query.reply_err(why).encoding(Encoding::TEXT_PLAIN).wait());
+        }
+    };
+    tell(query, query.reply(query.key_expr().clone(), bytes).encoding(encoding).wait());
+}
+
+fn json<T: serde::Serialize>(value: &T) -> (Vec<u8>, Encoding) {
+    (codec::encode_json(value), Encoding::APPLICATION_JSON)
+}
+
+fn tell(query: &Query, sent: zenoh::Result<()>) {
+    if let Err(e) = sent {
+        tracing::debug!("{} could not be answered: {e}", query.key_expr());
+    }
+}
