@@ -284,7 +284,7 @@ fn set_down(scene: &Scene, surface: &Surface, index: usize) -> Result<(Ball, Sta
         hits: 0,
         rest_hits: 0,
         hits_quantum: 0,
-        free_omega: if rolls { V3::zeros() } else { n * spec.spin },
+        free_omega: if rolls || spec.spin == 0.0 { V3::zeros() } else { n * spec.spin },
     };
     Ok((ball, state))
 }

@@ -18,15 +18,16 @@ impl Controller {
         let id = ball as u32;
         let mut best = Next { time: b.window_end, what: What::Renew };
         let duration = b.window_end.since(from);
+        let standing = Standing::of(arc, from);
         for (wall, plane) in self.walls.iter().enumerate() {
-            if let Some(t) = ball_wall::time_of_impact(arc, plane, from, duration, b.body.radius) {
+            if let Some(t) = ball_wall::time_of_impact((arc, &standing), plane, from, duration, b.body.radius)
+            {
                 let next = Next { time: from.after(t), what: What::Wall { wall: wall as u32 } };
                 if next.key(id) < best.key(id) {
                     best = next;
                 }
             }
         }
-        let standing = Standing::of(arc, from);
         let bounds = swept_bounds(
             &standing.center,
             &standing.velocity,

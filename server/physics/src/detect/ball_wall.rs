@@ -27,10 +27,15 @@ impl Plane {
     }
 }
 
-/// Seconds after `from` until the centre is `radius` from the wall, within `duration`; the same rules for
+/// Seconds after `from`, when the ball is at `now`, until the centre is `radius` from the wall, within `duration`; the same rules for
 /// balls already in contact as for two balls.
-pub fn time_of_impact(arc: &Arc, plane: &Plane, from: Time, duration: f64, radius: f64) -> Option<f64> {
-    let now = Standing::of(arc, from);
+pub fn time_of_impact(
+    (arc, now): (&Arc, &Standing),
+    plane: &Plane,
+    from: Time,
+    duration: f64,
+    radius: f64,
+) -> Option<f64> {
     let gap = plane.distance(&now.center) - radius;
     let speed = now.velocity.dot(&plane.normal);
     let noise = CLOSING_NOISE * now.velocity.norm() + CLOSING_NOISE_SPEED;

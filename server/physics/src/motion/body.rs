@@ -98,6 +98,7 @@ impl Body {
     ) {
         arc.start = start;
         arc.state = *state;
+        arc.turn_angle = tolerance::turn_angle(accuracy);
         if surface.is_flat() {
             self.launch_parabola(surface, arc);
             return;

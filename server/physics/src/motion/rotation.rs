@@ -1,7 +1,7 @@
 //! Turning a ball, without platform sine and cosine: about an axis that stands still, and along an arc.
 
 use super::step::TERMS;
-use crate::tolerance::{TURN_ANGLE, TURN_PIECES_MAX};
+use crate::tolerance::TURN_PIECES_MAX;
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -9,10 +9,10 @@ type V3 = Vector3<f64>;
 /// The orientation at `theta`, from `start` at 0, where `turn` is the integral of the angular velocity in
 /// powers of theta (rad).
 ///
-/// A rate of constant direction is exact. Else Magnus steps of order 6 in pieces of at most [`TURN_ANGLE`]
+/// A rate of constant direction is exact. Else Magnus steps of order 6 in pieces of at most `piece_angle` rad
 /// (S. Blanes, F. Casas, J. Ros, "Improved high order integrators based on the Magnus expansion", BIT 40,
 /// 2000): fast spin costs pieces here, not steps of the motion.
-pub fn follow(start: [f64; 4], turn: &[V3; TERMS], theta: f64) -> [f64; 4] {
+pub fn follow(start: [f64; 4], turn: &[V3; TERMS], theta: f64, piece_angle: f64) -> [f64; 4] {
     if theta == 0.0 || turn.iter().all(|c| *c == V3::zeros()) {
         return start;
     }
@@ -25,7 +25,7 @@ pub fn follow(start: [f64; 4], turn: &[V3; TERMS], theta: f64) -> [f64; 4] {
         power *= theta.abs();
         size += c.norm() * power;
     }
-    let pieces = (size / TURN_ANGLE).ceil().clamp(1.0, TURN_PIECES_MAX);
+    let pieces = (size / piece_angle).ceil().clamp(1.0, TURN_PIECES_MAX);
     let h = theta / pieces;
     let mut q = start;
     for piece in 0..pieces as u32 {

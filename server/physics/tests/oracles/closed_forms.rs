@@ -4,8 +4,8 @@
 use crate::scenes::{self, HOLLOW, SOLID, contact, graph, run, still};
 use crate::tables;
 use ballroom_physics::MotionLaw::{Frictionless, Rolling};
-use ballroom_physics::{Accuracy, BallSpec, MotionLaw, Place, Scene, Time};
-use nalgebra::Vector3;
+use ballroom_physics::{Accuracy, BallSpec, MotionLaw, Place, Scene, Scheme, Time};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 /// Rate of the tables, Hz.
 const RATE_HZ: u32 = 20;
@@ -313,4 +313,58 @@ fn an_error_asked_for_is_an_error_kept() {
         });
         assert!(worst < tolerance, "asked {tolerance}, got {worst}");
     }
+}
+
+/// Largest error over all ticks on the bumps with a scheme and a step, m.
+fn error_of(scheme: Scheme, step: f64) -> f64 {
+    let ball = launched(0.25, SOLID, contact(1.2, -0.7), [-0.4, 1.3, 0.0], -9.0);
+    let mut scene = one(graph(3.0, BUMPS, Rolling), ball);
+    scene.accuracy = Accuracy::Fixed(scheme, step);
+    let mut worst = 0.0_f64;
+    run(&scene, RATE_HZ, tables::BUMPS_ROLLING.len() as u64 - 1, |tick, engine| {
+        let exact = Vector3::from_row_slice(&tables::BUMPS_ROLLING[tick as usize][..3]);
+        worst = worst.max((engine.balls()[0].center - exact).norm());
+    });
+    worst
+}
+
+/// The order holds at every tick, inside steps too: what the dense output is worth.
+#[test]
+fn every_scheme_chosen_by_name_shows_its_order() {
+    for (scheme, step, order) in
+        [(Scheme::Rk4, 0.02, 4.0), (Scheme::Tsit5, 0.02, 5.0), (Scheme::Dop853, 0.11, 8.0)]
+    {
+        let (coarse, fine) = (error_of(scheme, step), error_of(scheme, 0.5 * step));
+        let observed = (coarse / fine).log2();
+        println!("{scheme:?}: {coarse:e} m at {step} s, {fine:e} m at half of it, order {observed:.2}");
+        assert!(observed > order - 0.8, "{scheme:?}: {coarse:e} to {fine:e}, order {observed}");
+        assert!(fine < 1e-5, "{scheme:?}: {fine:e}");
+    }
+}
+
+/// The quaternion equation integrated from the published angular velocity alone, by Magnus steps of order 4 on a
+/// tick of 8000 Hz.
+#[test]
+fn orientation_follows_the_angular_velocity() {
+    let ball = launched(0.25, SOLID, contact(1.2, -0.7), [-0.4, 1.3, 0.0], -9.0);
+    let mut engine = scenes::load(&one(graph(3.0, BUMPS, Rolling), ball));
+    let half = 0.5 / 8000.0;
+    let mut omega = engine.balls()[0].omega;
+    let mut q = UnitQuaternion::identity();
+    let mut turned = 0.0;
+    for tick in 1..=40_000 {
+        engine.advance_to(Time::of_tick(2 * tick - 1, 16_000));
+        let middle = engine.balls()[0].omega;
+        engine.advance_to(Time::of_tick(2 * tick, 16_000));
+        let end = engine.balls()[0].omega;
+        let mean = (omega + middle * 4.0 + end) * (half / 3.0);
+        q = UnitQuaternion::from_scaled_axis(mean + end.cross(&omega) * (half * half / 3.0)) * q;
+        turned += mean.norm();
+        omega = end;
+        let [x, y, z, w] = engine.balls()[0].orientation;
+        let published = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+        assert!((x * x + y * y + z * z + w * w - 1.0).abs() < 1e-14);
+        assert!(q.angle_to(&published) < 1e-10, "tick {tick}: {:e} rad off", q.angle_to(&published));
+    }
+    assert!(turned > 20.0, "the ball turned {turned} rad");
 }
