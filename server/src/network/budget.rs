@@ -4,10 +4,11 @@ use protocol::keys::Name;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// Commands a second, twice what a held key that repeats at 60 Hz needs.
-const RATE_PER_S: f64 = 120.0;
-/// Commands at once.
-const BURST: f64 = 120.0;
+/// Presses of one player a second, and at once: twice what a held key that repeats at 60 Hz needs.
+pub const PRESSES_PER_S: f64 = 120.0;
+/// Answered commands of all senders a second, questions of all, and either at once: a script that steps and looks
+/// has room, and their cost stays a small part of a core.
+pub const ANSWERS_PER_S: f64 = 2000.0;
 /// Players remembered.
 const MAX_PLAYERS: usize = 256;
 
@@ -22,33 +23,40 @@ pub enum Source {
 }
 
 /// The buckets of all sources.
-#[derive(Default)]
 pub struct Budget {
     players: BTreeMap<Name, Bucket>,
     commands: Bucket,
     questions: Bucket,
 }
 
+impl Default for Budget {
+    fn default() -> Self {
+        let full = || Bucket::full(ANSWERS_PER_S, Instant::now());
+        Self { players: BTreeMap::new(), commands: full(), questions: full() }
+    }
+}
+
+/// Holds at most one second's worth.
 struct Bucket {
+    per_s: f64,
     tokens: f64,
     filled: Instant,
 }
 
-impl Default for Bucket {
-    fn default() -> Self {
-        Self { tokens: BURST, filled: Instant::now() }
-    }
-}
-
 impl Bucket {
+    const fn full(per_s: f64, now: Instant) -> Self {
+        Self { per_s, tokens: per_s, filled: now }
+    }
+
     fn level(&self, now: Instant) -> f64 {
-        (self.tokens + now.saturating_duration_since(self.filled).as_secs_f64() * RATE_PER_S).min(BURST)
+        let came = now.saturating_duration_since(self.filled).as_secs_f64() * self.per_s;
+        (self.tokens + came).min(self.per_s)
     }
 
     fn take(&mut self, now: Instant) -> bool {
         let level = self.level(now);
         let allowed = level >= 1.0;
-        *self = Self { tokens: if allowed { level - 1.0 } else { level }, filled: now };
+        (self.tokens, self.filled) = (if allowed { level - 1.0 } else { level }, now);
         allowed
     }
 }
@@ -67,13 +75,13 @@ impl Budget {
         if !self.players.contains_key(player) {
             if self.players.len() >= MAX_PLAYERS {
                 // A full bucket remembers nothing.
-                self.players.retain(|_, bucket| bucket.level(now) < BURST);
+                self.players.retain(|_, bucket| bucket.level(now) < PRESSES_PER_S);
             }
             if self.players.len() >= MAX_PLAYERS {
                 return None;
             }
         }
-        Some(self.players.entry(player.clone()).or_insert(Bucket { tokens: BURST, filled: now }))
+        Some(self.players.entry(player.clone()).or_insert(Bucket::full(PRESSES_PER_S, now)))
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::NetworkError;
 use super::answers::{Answer, Answers};
-use super::budget::{Budget, Source};
+use super::budget::{ANSWERS_PER_S, Budget, PRESSES_PER_S, Source};
 use crate::inbox::{Inbox, Refused, Request};
 use protocol::codec::{self, MAX_COMMAND_BYTES};
 use protocol::command::{Command, Reply};
@@ -121,8 +121,13 @@ impl Gate {
             return Ok(());
         }
         self.refuse(match source {
-            Source::Questions => "too many questions: all who ask together may send 120 a second".into(),
-            _ => "too many commands: send at most 120 a second".into(),
+            Source::Questions => {
+                format!("too many questions: all who ask together may send {ANSWERS_PER_S} a second")
+            }
+            Source::Commands => {
+                format!("too many commands: all who ask together may send {ANSWERS_PER_S} a second")
+            }
+            Source::Player(_) => format!("too many presses: send at most {PRESSES_PER_S} a second"),
         })
     }
 
