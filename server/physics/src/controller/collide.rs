@@ -168,8 +168,7 @@ impl Controller {
         for (y, s) in landed.state.iter_mut().zip(&landed.slope) {
             *y += s * shift;
         }
-        body.settle(&self.surface, &mut landed.state);
-        landed.center = body.seat(&self.surface, &landed.state).0;
+        landed.center = body.settle(&self.surface, &mut landed.state).0;
         landed
     }
 

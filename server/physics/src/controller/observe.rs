@@ -12,8 +12,7 @@ impl Controller {
             let b = &self.balls[ball];
             let arc = &self.arcs[ball];
             let dt = self.time.since(arc.start).max(0.0);
-            let state = arc.sample(&b.body, &self.surface, dt);
-            let (center, n) = b.body.seat(&self.surface, &state);
+            let (state, center, n) = arc.sample(&b.body, &self.surface, dt);
             let w = velocity(&state);
             let [u, v] = self.surface.uv([state[0], state[1]]);
             let (omega, orientation) = if b.body.rolls {

@@ -83,7 +83,7 @@ impl Controller {
     pub(super) fn steer_anew(&mut self, ball: usize, time: Time) -> bool {
         let arc = &self.arcs[ball];
         let dt = time.since(arc.start);
-        let seen = arc.sample(&self.balls[ball].body, &self.surface, dt);
+        let (seen, ..) = arc.sample(&self.balls[ball].body, &self.surface, dt);
         if self.applied(ball, &seen, time) == self.balls[ball].body.applied {
             return false;
         }

@@ -113,10 +113,13 @@ impl Arc {
         sum / self.scale
     }
 
-    /// The whole state `dt` seconds after the start, read from the arc: to look at, not to go on from.
-    pub fn sample(&self, body: &Body, surface: &Surface, dt: f64) -> State {
+    /// The whole state `dt` seconds after the start with centre and normal, read from the arc: to look at, not to go
+    /// on from.
+    pub fn sample(&self, body: &Body, surface: &Surface, dt: f64) -> (State, V3, V3) {
         if self.path != Path::Curved {
-            return self.follow(dt);
+            let state = self.follow(dt);
+            let (center, normal) = body.seat(surface, &state);
+            return (state, center, normal);
         }
         let theta = dt / self.scale;
         let mut out = self.dense[TERMS - 1];
@@ -125,8 +128,8 @@ impl Arc {
                 *o = *o * theta + c;
             }
         }
-        body.settle(surface, &mut out);
-        out
+        let (center, normal) = body.settle(surface, &mut out);
+        (out, center, normal)
     }
 
     /// State `dt` seconds after the start and its slope, integrated afresh: what a hit is resolved on.

@@ -59,12 +59,13 @@ impl Body {
         })
     }
 
-    /// Takes from a state what interpolation put off the tangent plane.
-    pub fn settle(&self, surface: &Surface, state: &mut State) {
-        let (_, n) = self.seat(surface, state);
+    /// Takes from a state what interpolation put off the tangent plane; returns centre and normal.
+    pub fn settle(&self, surface: &Surface, state: &mut State) -> (V3, V3) {
+        let (center, n) = self.seat(surface, state);
         let w = velocity(state);
         let w = w - n * w.dot(&n);
         state[2..5].copy_from_slice(w.as_slice());
+        (center, n)
     }
 
     /// State and slope `dt` seconds after `state` on a curved floor.

@@ -38,7 +38,7 @@ pub fn follow(start: [f64; 4], turn: &[V3; TERMS], theta: f64, piece_angle: f64)
 fn magnus(turn: &[V3; TERMS], middle: f64, h: f64) -> V3 {
     // Rate and its first four derivatives over factorials at the middle: a Taylor shift.
     let mut c = *turn;
-    for k in 0..6 {
+    for k in 1..6 {
         for i in (k..TERMS - 1).rev() {
             let higher = c[i + 1];
             c[i] += higher * middle;
@@ -57,19 +57,22 @@ fn magnus(turn: &[V3; TERMS], middle: f64, h: f64) -> V3 {
 
 /// Quaternion (x, y, z, w) of the rotation by |`angle`| about `angle`.
 ///
-/// The half angle is halved until below 1/8, where Taylor series are exact to rounding, and the quaternion is
+/// The half angle is halved until below 1/4, where Taylor series are exact to rounding, and the quaternion is
 /// squared as often: the error grows with the angle, about 1e-16 per radian.
 pub fn of_rotation_vector(angle: V3) -> [f64; 4] {
     let mut half = angle * 0.5;
     let mut doublings = 0;
-    while half.norm_squared() > 1.0 / 64.0 && doublings < 60 {
+    while half.norm_squared() > 1.0 / 16.0 && doublings < 60 {
         half *= 0.5;
         doublings += 1;
     }
     let x = half.norm_squared();
-    // sin(s)/s and 1 - cos(s) for s^2 = x <= 1/64; the first terms left out are below 1e-17.
-    let sinc = 1.0 - x / 6.0 * (1.0 - x / 20.0 * (1.0 - x / 42.0 * (1.0 - x / 72.0 * (1.0 - x / 110.0))));
-    let versine = x / 2.0 * (1.0 - x / 12.0 * (1.0 - x / 30.0 * (1.0 - x / 56.0 * (1.0 - x / 90.0))));
+    // sin(s)/s and 1 - cos(s) for s^2 = x <= 1/16; the first terms left out are below 1e-17.
+    let sinc = 1.0
+        - x / 6.0
+            * (1.0 - x / 20.0 * (1.0 - x / 42.0 * (1.0 - x / 72.0 * (1.0 - x / 110.0 * (1.0 - x / 156.0)))));
+    let versine = x / 2.0
+        * (1.0 - x / 12.0 * (1.0 - x / 30.0 * (1.0 - x / 56.0 * (1.0 - x / 90.0 * (1.0 - x / 132.0)))));
     let mut v = half * sinc;
     let mut w = 1.0 - versine;
     for _ in 0..doublings {
