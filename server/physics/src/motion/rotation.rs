@@ -36,16 +36,16 @@ pub fn follow(start: [f64; 4], turn: &[V3; TERMS], theta: f64, piece_angle: f64)
 
 /// Rotation vector of the piece of length `h` around `middle`.
 fn magnus(turn: &[V3; TERMS], middle: f64, h: f64) -> V3 {
-    // Rate and its first four derivatives over factorials at the middle: a Taylor shift.
-    let mut c = *turn;
-    for k in 1..6 {
-        for i in (k..TERMS - 1).rev() {
-            let higher = c[i + 1];
-            c[i] += higher * middle;
+    // The rate and its first four derivatives over factorials at the middle: a Taylor shift.
+    let mut rate: [V3; TERMS - 1] = std::array::from_fn(|k| turn[k + 1] * (k + 1) as f64);
+    for k in 0..5 {
+        for i in (k..TERMS - 2).rev() {
+            let higher = rate[i + 1];
+            rate[i] += higher * middle;
         }
     }
     let (h2, h3) = (h * h, h * h * h);
-    let [a0, a1, a2, a3, a4] = [c[1], c[2] * 2.0, c[3] * 3.0, c[4] * 4.0, c[5] * 5.0];
+    let [a0, a1, a2, a3, a4, ..] = rate;
     // Moments about the middle that reproduce the rate's integrals to order 6.
     let first = a0 * h - a4 * (h3 * h2 * (3.0 / 560.0));
     let second = a1 * h2 + a3 * (h2 * h2 * (3.0 / 20.0));
