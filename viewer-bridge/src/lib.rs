@@ -13,7 +13,6 @@
 //! | [`bridge`] | the whole: recordings, and the network that feeds them |
 //! | [`process`] | logs, signals, bounded ends |
 //! | `demo` | keys, commands and the status line of the main job |
-//! | [`bridge`] | recordings and the network that feeds them |
 
 pub mod ball_mesh;
 pub mod ball_view;

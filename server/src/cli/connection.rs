@@ -8,18 +8,25 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
+/// Zenoh's own flags, alike for server and tools.
+#[derive(clap::Args, Debug)]
+pub struct ZenohFlags {
+    /// Zenoh configuration file, JSON5 or YAML
+    #[arg(short = 'c', long, value_name = "FILE", env = "ZENOH_CONFIG")]
+    pub config: Option<PathBuf>,
+    /// One setting of Zenoh, for instance transport/link/tx/lease:5000; may be repeated
+    #[arg(long, value_name = "KEY:VALUE")]
+    pub cfg: Vec<Setting>,
+}
+
 /// Where the server is.
 #[derive(clap::Args, Debug)]
 pub struct Connection {
     /// Endpoint of the server [default: tcp/127.0.0.1:7447]
     #[arg(short = 'e', long = "connect", value_name = "ENDPOINT")]
     connect: Vec<String>,
-    /// Zenoh configuration file, JSON5 or YAML
-    #[arg(short = 'c', long, value_name = "FILE", env = "ZENOH_CONFIG")]
-    config: Option<PathBuf>,
-    /// One setting of Zenoh, for instance transport/link/tx/lease:5000; may be repeated
-    #[arg(long, value_name = "KEY:VALUE")]
-    cfg: Vec<Setting>,
+    #[command(flatten)]
+    zenoh: ZenohFlags,
     /// Name of the arena
     #[arg(long, default_value = protocol::keys::DEFAULT_ARENA, value_name = "NAME")]
     arena: Name,
@@ -30,8 +37,8 @@ impl Connection {
     pub fn open(&self, abort: Abort, timeout: Duration) -> anyhow::Result<Client> {
         let options = ClientOptions {
             endpoints: self.connect.clone(),
-            config: self.config.clone(),
-            settings: self.cfg.clone(),
+            config: self.zenoh.config.clone(),
+            settings: self.zenoh.cfg.clone(),
             arena: self.arena.clone(),
             timeout,
             abort,

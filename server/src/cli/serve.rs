@@ -1,12 +1,11 @@
 //! `serve`: run a scene and serve it until told to stop.
 
+use super::connection::ZenohFlags;
 use super::signals::abort_on_signal;
 use anyhow::bail;
-use ballroom_client::Setting;
 use protocol::keys::Name;
 use server::{Arena, ArenaOptions, SceneText};
 use std::io::Write;
-use std::path::PathBuf;
 use std::time::Duration;
 
 /// Run a scene and serve it over Zenoh; the endpoint goes to stdout
@@ -31,12 +30,8 @@ pub struct Serve {
     /// Router to connect to
     #[arg(short = 'e', long = "connect", value_name = "ENDPOINT")]
     connect: Vec<String>,
-    /// Zenoh configuration file, JSON5 or YAML
-    #[arg(short = 'c', long, value_name = "FILE", env = "ZENOH_CONFIG")]
-    config: Option<PathBuf>,
-    /// One setting of Zenoh, for instance transport/link/tx/lease:5000; may be repeated
-    #[arg(long, value_name = "KEY:VALUE")]
-    cfg: Vec<Setting>,
+    #[command(flatten)]
+    zenoh: ZenohFlags,
     /// Name of the arena in the keys
     #[arg(long, default_value = protocol::keys::DEFAULT_ARENA, value_name = "NAME")]
     arena: Name,
@@ -54,8 +49,8 @@ impl Serve {
             paused: self.paused,
             listen: self.listen,
             connect: self.connect,
-            config: self.config,
-            settings: self.cfg,
+            config: self.zenoh.config,
+            settings: self.zenoh.cfg,
         };
         let abort = abort_on_signal()?;
         let arena = Arena::start(&scene, &options)?;

@@ -64,8 +64,7 @@ impl Controller {
         self.predict(ball);
     }
 
-    /// Closes the present arc and puts the ball on a new one. Its predictions by others stay true only if it goes
-    /// on as before, which is when `slope` is given.
+    /// Closes the present arc and puts the ball on a new one. A `slope` is given where the ball goes on as before.
     pub(super) fn relaunch(&mut self, ball: usize, time: Time, state: &State, slope: Option<&State>) {
         self.close_arc(ball, time);
         if slope.is_none() && self.balls[ball].drive.is_some() {

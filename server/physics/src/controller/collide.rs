@@ -21,6 +21,7 @@ struct Landed {
     state: State,
     slope: State,
     center: V3,
+    normal: V3,
 }
 
 /// Whom a contact of the cluster joins, beside what the solver needs.
@@ -138,8 +139,8 @@ impl Controller {
         let (arc, body) = (&self.arcs[ball], &self.balls[ball].body);
         let dt = time.since(arc.start).max(0.0);
         let (state, slope) = arc.land(body, &self.surface, self.accuracy, dt);
-        let center = body.seat(&self.surface, &state).0;
-        Landed { ball, state, slope, center }
+        let (center, normal) = body.seat(&self.surface, &state);
+        Landed { ball, state, slope, center, normal }
     }
 
     /// Seconds by which a hit must be moved to close `gap`; None when it stands within rounding, when nothing
@@ -168,14 +169,16 @@ impl Controller {
         for (y, s) in landed.state.iter_mut().zip(&landed.slope) {
             *y += s * shift;
         }
-        landed.center = body.settle(&self.surface, &mut landed.state).0;
+        (landed.center, landed.normal) = body.settle(&self.surface, &mut landed.state);
         landed
     }
 
     fn enter(&self, cluster: &mut Cluster, landed: Landed) {
-        let ball = &self.balls[landed.ball];
-        let normal = ball.body.seat(&self.surface, &landed.state).1;
-        let member = Member { velocity: velocity(&landed.state), normal, inverse_mass: ball.inverse_mass };
+        let member = Member {
+            velocity: velocity(&landed.state),
+            normal: landed.normal,
+            inverse_mass: self.balls[landed.ball].inverse_mass,
+        };
         cluster.landed.push(landed);
         cluster.members.push(member);
     }

@@ -9,11 +9,11 @@ use crate::tolerance::{ROOT_DEPTH_MAX, ROOT_INTERVALS_MAX, ROOT_STEPS_MAX};
 /// (not negative at its left, negative at its right). `b[0] >= 0` is the caller's promise; a zero that is
 /// only touched is no crossing.
 pub fn first_descent<const N: usize>(b: &[f64; N]) -> Option<[f64; 2]> {
-    // Depth-first, left half first: at most one right half waits at each depth.
-    let mut waiting = [([0.0; N], 0.0_f64, 0.0_f64); ROOT_DEPTH_MAX as usize + 1];
-    if !b.iter().all(|x| x.is_finite()) {
+    if b.iter().all(|x| *x >= 0.0) || !b.iter().all(|x| x.is_finite()) {
         return None;
     }
+    // Depth-first, left half first: at most one right half waits at each depth.
+    let mut waiting = [([0.0; N], 0.0_f64, 0.0_f64); ROOT_DEPTH_MAX as usize + 1];
     let mut count = 1;
     waiting[0] = (*b, 0.0, 1.0);
     let mut looked_at = 0;

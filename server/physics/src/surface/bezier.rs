@@ -86,31 +86,6 @@ impl BezierPatch {
         if jet.du.cross(&jet.dv).dot(up) < 0.0 { -1.0 } else { 1.0 }
     }
 
-    /// The two halves of the patch below and above the middle of one parameter.
-    pub fn subdivide(&self, parameter: Parameter) -> [Self; 2] {
-        let [p, q] = self.degree;
-        let mut halves = [self.clone(), self.clone()];
-        let (lines, count, line_stride, stride) = match parameter {
-            Parameter::U => (q + 1, p + 1, 1, q + 1),
-            Parameter::V => (p + 1, q + 1, q + 1, 1),
-        };
-        for line in 0..lines {
-            let at = |k: usize| line * line_stride + k * stride;
-            let mut work = [Vector3::zeros(); MAX_DEGREE + 1];
-            for (k, point) in work.iter_mut().enumerate().take(count) {
-                *point = self.net[at(k)];
-            }
-            for k in 0..count {
-                halves[0].net[at(k)] = work[0];
-                halves[1].net[at(count - 1 - k)] = work[count - 1 - k];
-                for i in 0..count - 1 - k {
-                    work[i] = 0.5 * (work[i] + work[i + 1]);
-                }
-            }
-        }
-        halves
-    }
-
     /// The net of dS/du or dS/dv, with its degrees (one of which may be 0).
     pub fn derivative_net(&self, parameter: Parameter) -> ([usize; 2], Vec<Vector3<f64>>) {
         let [p, q] = self.degree;
@@ -227,16 +202,6 @@ mod tests {
             let second = |a, b| (at(a, b) - 2.0 * at(0.0, 0.0) + at(-a, -b)) / (h * h);
             prop_assert!((jet.duu - second(1.0, 0.0)).norm() < 1e-3);
             prop_assert!((jet.dvv - second(0.0, 1.0)).norm() < 1e-3);
-        }
-
-        #[test]
-        fn halves_are_the_same_surface(patch in any_patch(), s in 0.0..1.0_f64, t in 0.0..1.0_f64) {
-            let [west, east] = patch.subdivide(Parameter::U);
-            prop_assert!((west.jet(s, t).point - patch.jet(0.5 * s, t).point).norm() < 1e-14);
-            prop_assert!((east.jet(s, t).point - patch.jet(0.5 + 0.5 * s, t).point).norm() < 1e-14);
-            let [south, north] = patch.subdivide(Parameter::V);
-            prop_assert!((south.jet(s, t).point - patch.jet(s, 0.5 * t).point).norm() < 1e-14);
-            prop_assert!((north.jet(s, t).point - patch.jet(s, 0.5 + 0.5 * t).point).norm() < 1e-14);
         }
 
         #[test]
