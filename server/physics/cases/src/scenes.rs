@@ -35,6 +35,7 @@ pub fn scene(floor: Floor, x: [f64; 2], y: [f64; 2], motion: MotionLaw) -> Scene
         motion,
         restitution: 1.0,
         accuracy: Accuracy::Tolerance(1e-12),
+        hit_budget: HIT_BUDGET,
     }
 }
 

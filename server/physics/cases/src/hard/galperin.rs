@@ -10,8 +10,15 @@ use crate::scenes::{center, graph, in_list_order, moving, still, walls};
 use ballroom_physics::{BallSpec, MotionLaw, Scene, SceneFault};
 
 /// Mass ratio and number of hits.
-const HITS: [(&str, f64, u64); 5] =
-    [("1", 1.0, 3), ("1e2", 1e2, 31), ("1e4", 1e4, 314), ("1e6", 1e6, 3_141), ("1e8", 1e8, 31_415)];
+const HITS: [(&str, f64, u64); 7] = [
+    ("1", 1.0, 3),
+    ("1e2", 1e2, 31),
+    ("1e4", 1e4, 314),
+    ("1e6", 1e6, 3_141),
+    ("1e8", 1e8, 31_415),
+    ("1e10", 1e10, 314_159),
+    ("1e12", 1e12, 3_141_592),
+];
 
 /// By then the last hit is past and the heavy ball not yet at the far wall.
 const SECONDS: u32 = 24;
