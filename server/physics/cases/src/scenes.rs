@@ -1,7 +1,9 @@
 //! Scenes in few words, and ways to read a run.
 
 use ballroom_physics::surface::bezier::BezierPatch;
-use ballroom_physics::{Accuracy, BallSpec, BallState, Controller, Floor, MotionLaw, Place, Scene, Wall};
+use ballroom_physics::{
+    Accuracy, BallSpec, BallState, Controller, Floor, HIT_BUDGET, MotionLaw, Place, Scene, Wall,
+};
 use nalgebra::{Vector2, Vector3};
 
 /// Solid, hollow.
