@@ -23,5 +23,5 @@ pub mod tolerance;
 
 pub use controller::{BallState, Controller, Drive};
 pub use diagnostics::{Collisions, Hit, HitPartner, Report};
-pub use scene::{Accuracy, BallSpec, Floor, MotionLaw, Place, Scene, SceneFault, Scheme, Wall};
+pub use scene::{Accuracy, BallSpec, Floor, HIT_BUDGET, MotionLaw, Place, Scene, SceneFault, Scheme, Wall};
 pub use schedule::time::Time;

@@ -72,9 +72,6 @@ pub const CLOSING_NOISE: f64 = 4e-15;
 /// The same for bodies that have just come to rest beside faster ones, m/s: an impact of a metre a second
 /// leaves as much. Overlap grows by it no faster than 4e-11 m an hour.
 pub const CLOSING_NOISE_SPEED: f64 = 1e-14;
-/// Hits of one ball within a quantum before it is held until the quantum ends: a bound of work, not of time. A
-/// light ball between a wall and one 1e12 times as heavy makes 3 141 592 in all.
-pub const HITS_PER_QUANTUM_MAX: u32 = 1 << 22;
 
 /// Gap below which balls count as touching when one of them is hit, in ulps of the larger coordinate.
 pub const TOUCH_ULPS: f64 = 4.0;

@@ -7,8 +7,8 @@ use crate::motion::law::{State, velocity};
 use crate::resolve::impact::{Contact, Member, hop, resolve_cluster, resolve_one};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{
-    self, CLUSTER_MAX, HITS_KEPT, HITS_PER_QUANTUM_MAX, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS,
-    REST_HITS_MAX, REST_SPEED, SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
+    self, CLUSTER_MAX, HITS_KEPT, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
+    SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
 };
 use nalgebra::Vector3;
 
@@ -353,7 +353,7 @@ impl Controller {
             b.hits += 1;
             b.rest_hits += u32::from(slow);
             too_many_slow |= slow && b.rest_hits > REST_HITS_MAX;
-            too_many |= b.hits > HITS_PER_QUANTUM_MAX;
+            too_many |= b.hits > self.hit_budget;
         }
         if !too_many_slow && !too_many {
             return;

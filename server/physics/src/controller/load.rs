@@ -61,6 +61,7 @@ impl Controller {
             gravity: scene.gravity,
             restitution: scene.restitution,
             accuracy: scene.accuracy,
+            hit_budget: scene.hit_budget,
             balls,
             arcs,
             scene_index: order,
@@ -144,6 +145,7 @@ fn check_numbers(scene: &Scene) -> Result<(), SceneFault> {
             number("accuracy".into(), h, (1e-6..=tolerance::STEP_MAX).contains(&h), want)?;
         }
     }
+    number("hit_budget".into(), f64::from(scene.hit_budget), scene.hit_budget > 0, "at least 1")?;
     for (i, wall) in scene.walls.iter().enumerate() {
         for x in wall.point.iter() {
             number(format!("walls[{i}].point"), *x, small(*x), "finite and of size at most 1e12")?;

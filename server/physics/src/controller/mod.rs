@@ -90,6 +90,7 @@ pub struct Controller {
     gravity: Vector3<f64>,
     restitution: f64,
     accuracy: Accuracy,
+    hit_budget: u32,
     balls: Vec<Ball>,
     arcs: Vec<Arc>,
     broad_phase: BroadPhase,
