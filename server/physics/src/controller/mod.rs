@@ -7,12 +7,15 @@
 //! | what a ball will meet within its window | `predict` |
 //! | a hit | `collide` |
 //! | a push, a held force | `steer` |
-//! | what a tick shows: states, energy, hash | `observe` |
+//! | what a tick shows: states, energy | `observe` |
+//! | a run as words: saved, restored, hashed | `checkpoint`, `plain` |
 
 mod advance;
+pub mod checkpoint;
 mod collide;
 mod load;
 mod observe;
+mod plain;
 mod predict;
 mod steer;
 
