@@ -82,7 +82,7 @@ plain!(Stepping: try_s; steps forced);
 plain!(Drive: direction acceleration speed_limit;);
 plain!(
     Arc: start length path state orientation;
-    scale slope center dense end turn turn_angle reaction acceleration_bound
+    scale slope center dense end turn turn_left_out reaction acceleration_bound
 );
 plain!(Next: time what;);
 plain!(

@@ -51,8 +51,8 @@ pub struct Arc {
     pub orientation: [f64; 4],
     /// Integral of the angular velocity in powers of theta, rad; zero when sliding.
     pub turn: [V3; TERMS],
-    /// Largest piece in which a turn is followed, rad.
-    pub turn_angle: f64,
+    /// Rotation that a turn may leave out, rad.
+    pub turn_left_out: f64,
     /// Floor reaction per mass at [`REACTION_AT`], m/s^2.
     pub reaction: [f64; 3],
     /// Bound of the centre's acceleration, m/s^2.
@@ -74,7 +74,7 @@ impl Arc {
             end: [[0.0; ROLLING]; 2],
             orientation: [0.0, 0.0, 0.0, 1.0],
             turn: [V3::new(0.0, 0.0, 0.0); TERMS],
-            turn_angle: 1.0,
+            turn_left_out: 1.0,
             reaction: [0.0; 3],
             acceleration_bound: 0.0,
         }
@@ -162,7 +162,7 @@ impl Arc {
 
     /// Orientation `dt` seconds after the start.
     pub fn orientation_at(&self, dt: f64) -> [f64; 4] {
-        rotation::follow(self.orientation, &self.turn, dt / self.scale, self.turn_angle)
+        rotation::follow(self.orientation, &self.turn, dt / self.scale, self.turn_left_out)
     }
 
     /// Whether every number of a launched arc is finite and of a size that can be worked with.

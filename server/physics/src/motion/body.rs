@@ -99,7 +99,7 @@ impl Body {
     ) {
         arc.start = start;
         arc.state = *state;
-        arc.turn_angle = tolerance::turn_angle(accuracy);
+        arc.turn_left_out = tolerance::turn_left_out(accuracy);
         if surface.is_flat() {
             self.launch_parabola(surface, arc);
             return;

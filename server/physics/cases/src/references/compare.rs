@@ -85,9 +85,10 @@ impl Reference {
         let over_ticks = |quantity, unit, limit| Demand::over_ticks(quantity, unit, span, limit);
         let mut demands = vec![over_ticks("centre", "m", 1e-11), over_ticks("velocity", "m/s", 1e-10)];
         if self.rolls() {
-            let spin = 1e-10 / self.balls.iter().map(|ball| ball.radius).fold(1.0, f64::min);
-            demands.push(over_ticks("angular velocity", "rad/s", spin));
-            demands.push(over_ticks("orientation", "rad", spin));
+            // What a point of the ball's skin may be off is what its centre may be.
+            let radius = self.balls.iter().map(|ball| ball.radius).fold(1.0, f64::min);
+            demands.push(over_ticks("angular velocity", "rad/s", 1e-10 / radius));
+            demands.push(over_ticks("orientation", "rad", 1e-11 / radius));
         }
         if self.meets() {
             demands.push(Demand { norm: "largest over hits", ..over_ticks("time of impact", "s", 1e-11) });
