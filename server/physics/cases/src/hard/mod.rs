@@ -1,12 +1,14 @@
 //! Hard cases: what breaks typical engines, each with its exact answer. One family a file.
 
+pub mod bullet;
 pub mod cradle;
 pub mod galperin;
+pub mod rack;
 pub mod rods;
 
 use crate::case::Case;
 
 /// Every case of this room, family by family.
 pub fn cases() -> Vec<Case> {
-    [galperin::cases(), cradle::cases()].into_iter().flatten().collect()
+    [galperin::cases(), cradle::cases(), rack::cases(), bullet::cases()].into_iter().flatten().collect()
 }
