@@ -2,11 +2,12 @@
 //!
 //! With M = (1+k) m, d the unit line of contact and P the tangent projector at each ball, a contact's impulse J
 //! changes w by J P d/M: no impulse leaves the floor, and no energy is lost to it. Spin is unchanged.
-//! Several contacts at one instant are solved by reflecting the velocities about the set of violated ones,
+//! Several elastic contacts at one instant are solved in turn where their order does not matter, and otherwise by reflecting the velocities about the set of violated ones,
 //! v+ = v + (1+e)(proj v - v) in the kinetic metric, until none is violated (Smith et al., "Reflections on
 //! simultaneous impact", 2012): exact for the cradle and for symmetric hits, and never gains energy, since the
 //! smallest e of the violated set is used.
 
+use super::in_turn::resolve_in_turn;
 use crate::tolerance::{CLUSTER_SATISFIED, REFLECTIONS_MAX, REFLECTIONS_STUCK};
 use nalgebra::Vector3;
 
@@ -117,6 +118,8 @@ pub struct Scratch {
     trial: Vec<f64>,
     active: Vec<usize>,
     violated: Vec<usize>,
+    pub(super) start: Vec<V3>,
+    pub(super) backward: Vec<V3>,
 }
 
 impl Scratch {
@@ -132,6 +135,8 @@ impl Scratch {
             trial: numbers(),
             active: Vec::with_capacity(contacts),
             violated: Vec::with_capacity(contacts),
+            start: Vec::with_capacity(contacts + 1),
+            backward: Vec::with_capacity(contacts + 1),
         }
     }
 }
@@ -149,6 +154,11 @@ pub fn resolve_cluster(
     totals.fill(0.0);
     let fastest = members.iter().map(|m| m.velocity.norm()).fold(0.0, f64::max);
     let satisfied = CLUSTER_SATISFIED * fastest;
+    let elastic =
+        contacts.iter().map(|c| c.closing(members)).filter(|x| *x > satisfied).all(|x| restitution(x) == 1.0);
+    if elastic && resolve_in_turn(members, contacts, satisfied, totals, scratch) {
+        return true;
+    }
     let (mut best, mut since_best) = (f64::INFINITY, 0);
     for round in 0..=REFLECTIONS_MAX {
         let mut fastest_closing = 0.0_f64;
@@ -206,7 +216,7 @@ pub fn hop(members: &mut [Member], contact: &Contact, speed: f64) {
 /// violated contact closes: a linear complementarity problem solved by Lawson and Hanson's active set.
 fn project(members: &[Member], contacts: &[Contact], scratch: &mut Scratch) {
     let n = scratch.violated.len();
-    let Scratch { matrix, factor, impulse, residual, trial, active, violated } = scratch;
+    let Scratch { matrix, factor, impulse, residual, trial, active, violated, .. } = scratch;
     matrix.clear();
     for r in violated.iter() {
         for s in violated.iter() {
