@@ -78,9 +78,15 @@ fn with_gaps(starts: &[(f64, f64)], seconds: u64) -> Result<[f64; 1], SceneFault
     Ok([largest.value()])
 }
 
-/// A hundred balls at even places with speeds that repeat after 17.
-fn hundred() -> Vec<(f64, f64)> {
-    (0..100).map(|n| (-15.84 + 0.32 * f64::from(n), f64::from(n * 7 % 17) * 0.25 - 2.0)).collect()
+/// A hundred balls at even places with speeds that repeat after 17, so that many meet by three and more at an instant;
+/// or a little unlike, so that none do.
+fn hundred(unlike: f64) -> Vec<(f64, f64)> {
+    (0..100)
+        .map(|n| {
+            let speed = f64::from(n * 7 % 17) * 0.25 - 2.0;
+            (-15.84 + 0.32 * f64::from(n), speed + unlike * (f64::from(n) * 12.9898).sin())
+        })
+        .collect()
 }
 
 /// Relative error of a free group's momentum over 10 s: a ball of 1000 kg meets a row of light ones.
@@ -149,9 +155,14 @@ pub fn cases() -> Vec<Case> {
         [centres(20.0)],
         || with_gaps(&[(-9.0, 5.0), (-3.0, 0.0), (-1.5, -1.0), (0.5, 0.25), (4.0, -3.0)], 20),
     ));
-    cases.push(Case::new("H31/gaps-100", "a hundred balls with gaps, unfolded", [centres(20.0)], || {
-        with_gaps(&hundred(), 20)
-    }));
+    for (name, unlike) in [("even", 0.0), ("unlike", 0.01)] {
+        cases.push(Case::new(
+            format!("H31/gaps-100-{name}"),
+            "a hundred balls with gaps between walls, unfolded",
+            [centres(20.0)],
+            move || with_gaps(&hundred(unlike), 20),
+        ));
+    }
     for (e, count) in [(0.9, 8), (0.5, 5), (0.1, 3), (0.0, 2)] {
         cases.push(Case::new(
             format!("H31/momentum-{e}"),
