@@ -35,6 +35,19 @@ macro_rules! families {
 }
 
 families! {
+    balls_fall_along_an_incline_as_g_sin_alpha_says: "B0/",
+    beads_swing_in_a_parabola_with_their_elliptic_period: "B1/",
+    balls_swing_in_pit_and_cylinder_with_their_period: "B2/",
+    beads_turn_on_a_paraboloid_with_their_elliptic_radial_period: "B3/",
+    balls_keep_their_horizontal_circle_and_turn_as_it_says: "B4/",
+    small_motion_at_bottom_and_top_is_linear: "B5/",
+    spin_splits_small_motion_in_two_turns: "B6/",
+    spin_and_axial_speed_trade_along_a_cylinder: "B8/",
+    routh_s_invariants_hold_on_surfaces_of_revolution: "B9/",
+    bounces_against_a_wall_come_when_they_must: "B15/",
+    beads_on_a_wall_collapse_below_the_threshold_only: "B17/",
+    closed_paths_leave_the_rotation_that_is_known: "Q/",
+    every_scheme_shows_its_order: "O/",
     balls_follow_references_of_another_formulation: "R/",
     hits_between_a_wall_and_a_heavy_ball_spell_pi: "H1/",
     as_many_balls_leave_a_cradle_as_came: "H2/",

@@ -65,7 +65,8 @@ impl Reference {
         self.balls[0].k > 0.0
     }
 
-    fn scene(&self, chart: Chart) -> Scene {
+    /// Its scene on one of the charts.
+    pub fn scene(&self, chart: Chart) -> Scene {
         let Ground { shape, half, gravity, .. } = &self.ground;
         let border = [-half, *half];
         let motion = if self.rolls() { MotionLaw::Rolling } else { MotionLaw::Frictionless };
@@ -104,11 +105,12 @@ impl Reference {
         self.balls.len() > 1 || !self.walls.is_empty()
     }
 
-    fn measure(&self, chart: Chart) -> Result<Vec<f64>, SceneFault> {
+    /// Largest errors of centre, velocity, angular velocity, orientation and times of impact.
+    pub fn errors(&self, scene: &Scene) -> Result<[f64; 5], SceneFault> {
         let table = Table::read(self.text);
         let mut largest = [Largest::default(); 5];
         let mut hits = vec![];
-        run(&self.scene(chart), RATE_HZ, u64::from(RATE_HZ * SECONDS), |tick, engine| {
+        run(scene, RATE_HZ, u64::from(RATE_HZ * SECONDS), |tick, engine| {
             hits.extend(engine.hits().iter().map(|hit| hit.time.seconds()));
             for (own, exact) in in_list_order(engine).iter().zip(&table.ticks[tick as usize]) {
                 largest[0].see_center(own, exact.center);
@@ -124,10 +126,14 @@ impl Reference {
         } else {
             largest[4].see(f64::INFINITY);
         }
-        let [center, velocity, spin, orientation, time] = largest.map(Largest::value);
+        Ok(largest.map(Largest::value))
+    }
+
+    fn measure(&self, chart: Chart) -> Result<Vec<f64>, SceneFault> {
+        let [center, velocity, spin, orientation, time] = self.errors(&self.scene(chart))?;
         let turning = if self.rolls() { vec![spin, orientation] } else { vec![] };
         let times = if self.meets() { vec![time] } else { vec![] };
-        Ok([vec![center, velocity], turning, times, vec![table.own_error]].concat())
+        Ok([vec![center, velocity], turning, times, vec![Table::read(self.text).own_error]].concat())
     }
 
     /// A case for each chart.

@@ -1,9 +1,11 @@
-//! The floors of the references; their twins stand in `generators/floors.py`.
+//! The floors of the references; their twins stand in `reference/floors.py`.
 
 use super::charts::{Shape, bent, leaning};
 use ballroom_physics::Floor;
 use ballroom_physics::surface::bezier::BezierPatch;
 
+/// A plane, on which arcs are parabolas.
+pub const INCLINE: Shape = Shape::Terms(&[(1, 0, 0.25)]);
 /// B1, B2, B8: a parabolic cylinder.
 pub const PARABOLA: Shape = Shape::Terms(&[(2, 0, 0.75)]);
 /// B3, B4: a paraboloid.

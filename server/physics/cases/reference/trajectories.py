@@ -9,7 +9,7 @@ import os
 import sys
 
 import gmpy2
-from floors import BICUBIC, BOWL, BUMPS, MONKEY, PARABOLA, PIT, SADDLE, STEEP, TWELVE
+from floors import BICUBIC, BOWL, BUMPS, INCLINE, MONKEY, PARABOLA, PIT, SADDLE, STEEP, TWELVE
 from gmpy2 import mpfr
 from impacts import Pair, Wall, bounce, time_of_impact
 from newton_euler import Ball, step
@@ -29,6 +29,7 @@ def ball(k, radius, contact, velocity, spin=0, mass=1):
 WALLS = [((0.48, 0.36), (-4, -3)), ((-0.75, 0), (12, 5))]
 # name: floor, balls and, if any, what is met and the restitution
 CASES = {
+    "incline-solid": (INCLINE, [ball(SOLID, 0.5, (3, -7), (2, 1.5, 0), 12)]),
     "pit-sliding": (PIT, [ball(SLIDING, 1, (-3, 0), (0, 0, 0))]),
     "pit-solid": (PIT, [ball(SOLID, 1, (-3, 0), (0, 0, 0))]),
     "pit-hollow": (PIT, [ball(HOLLOW, 1, (-3, 0), (0, 0, 0))]),
