@@ -70,6 +70,12 @@ fn with_symmetry() -> Vec<Reference> {
         ),
         reference!(bowl, "bowl-sliding", "round a paraboloid, sliding", orbit(SLIDING, 0.0)),
         reference!(bowl, "bowl-hollow", "round a paraboloid, hollow with spin", orbit(HOLLOW, 11.0)),
+        reference!(
+            bowl,
+            "tight-solid",
+            "curvature 0.95 of what the radius allows",
+            ball(1.9, SOLID, [0.9, 0.0], [0.0, 1.1], 2.0)
+        ),
     ]
 }
 
@@ -92,7 +98,7 @@ fn bumps_solid() -> Reference {
 pub fn bumps_errors(accuracy: Accuracy) -> Result<[f64; 4], SceneFault> {
     let reference = bumps_solid();
     let scene = Scene { accuracy, ..reference.scene(Chart::Plain) };
-    let [center, velocity, spin, orientation, _] = reference.errors(&scene)?;
+    let [center, velocity, spin, orientation, ..] = reference.errors(&scene)?;
     Ok([center, velocity, spin, orientation])
 }
 
@@ -109,6 +115,12 @@ fn without_symmetry() -> Vec<Reference> {
             over_bumps(SLIDING, 0.0)
         ),
         bumps_solid(),
+        reference!(
+            BUMPS,
+            "whirl-hollow",
+            "over a floor without symmetry with 300 rad/s",
+            over_bumps(HOLLOW, 300.0)
+        ),
         reference!(bicubic, "bicubic-sliding", "over a bumpy bicubic, sliding", bumpy(SLIDING, 0.0)),
         reference!(bicubic, "bicubic-solid", "over a bumpy bicubic, solid with spin", bumpy(SOLID, 16.0)),
         reference!(bicubic, "bicubic-hollow", "over a bumpy bicubic, hollow with spin", bumpy(HOLLOW, -12.0)),
