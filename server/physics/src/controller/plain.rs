@@ -76,13 +76,13 @@ macro_rules! plain {
     };
 }
 
-plain!(Ball: body stepping window_end stamp drive hits rest_hits hits_quantum; mass inverse_mass free_omega);
+plain!(Ball: body stepping drive hits rest_hits hits_quantum; mass inverse_mass free_omega);
 plain!(Body: applied; radius inertia_factor rolls);
 plain!(Stepping: try_s; steps forced);
 plain!(Drive: direction acceleration speed_limit;);
 plain!(
-    Arc: start length path state orientation;
-    scale slope center dense end turn turn_angle reaction acceleration_bound
+    Arc: start window_end stamp length path state orientation;
+    scale radius acceleration_bound slope center dense end turn turn_angle reaction
 );
 plain!(Next: time what;);
 plain!(
