@@ -100,6 +100,8 @@ pub const REFLECTIONS_STUCK: usize = 64;
 /// Closing speed below which a contact of a cluster counts as satisfied, relative to the fastest ball.
 pub const CLUSTER_SATISFIED: f64 = 1e-14;
 
+/// Sure advances towards a hit before it is isolated instead: five reach the last bit unless the balls graze.
+pub const ADVANCES_MAX: u32 = 8;
 /// Halvings of an interval before a root is taken as a touch without crossing.
 pub const ROOT_DEPTH_MAX: u32 = 48;
 /// Intervals looked at for one root. A graze to the last bit needs some hundred; noise would need any number.

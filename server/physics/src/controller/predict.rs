@@ -41,12 +41,14 @@ impl Controller {
             }
             let reach = arc.radius + theirs.radius;
             let here = if begin == from { standing } else { Standing::of(arc, begin) };
+            let there = Standing::of(theirs, begin);
             let acceleration = arc.acceleration_bound + theirs.acceleration_bound;
-            if surely_apart(&here, &Standing::of(theirs, begin), acceleration, reach, duration) {
+            if surely_apart(&here, &there, acceleration, reach, duration) {
                 return;
             }
             report.pairs[1] += 1;
-            let Some(t) = ball_ball::time_of_impact(arc, theirs, begin, duration, reach) else { return };
+            let hit = ball_ball::time_of_impact((arc, theirs), (&here, &there), begin, duration, reach);
+            let Some(t) = hit else { return };
             let time = begin.after(t);
             let mine = Next { time, what: What::Ball { other: other as u32, stamp: theirs.stamp } };
             if mine.key(id) < best.key(id) {
