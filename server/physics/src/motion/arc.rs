@@ -56,8 +56,8 @@ pub struct Arc {
     pub slope: State,
     /// State in powers of theta (curved arcs only).
     pub dense: [State; TERMS],
-    /// State and slope at the end (curved arcs only).
-    pub end: [State; 2],
+    /// State at the end (curved arcs only).
+    pub end: State,
     /// Orientation at the start, ball to world: x, y, z, w.
     pub orientation: [f64; 4],
     /// Integral of the angular velocity in powers of theta, rad; zero when sliding.
@@ -87,7 +87,7 @@ impl Arc {
             slope: [0.0; ROLLING],
             center: [V3::new(0.0, 0.0, 0.0); TERMS],
             dense: [[0.0; ROLLING]; TERMS],
-            end: [[0.0; ROLLING]; 2],
+            end: [0.0; ROLLING],
             orientation: [0.0, 0.0, 0.0, 1.0],
             turn: [V3::new(0.0, 0.0, 0.0); TERMS],
             turn_angle: 1.0,
@@ -184,7 +184,7 @@ impl Arc {
     pub fn is_sane(&self) -> bool {
         let fine = |x: &f64| x.abs() <= SANE;
         let centers = self.center.iter().all(|c| c.iter().all(fine));
-        let (state, ends) = (&self.state, self.end.iter().flatten());
+        let (state, ends) = (&self.state, self.end.iter());
         centers && state.iter().all(fine) && (self.path != Path::Curved || ends.into_iter().all(fine))
     }
 
@@ -209,11 +209,12 @@ impl Arc {
     }
 
     /// Takes over an integration step of `h` seconds.
-    pub(super) fn fill<const D: usize>(&mut self, h: f64, step: &Step<D>) {
+    pub(super) fn fill<const D: usize>(&mut self, h: f64, slope: &[f64; D], step: &Step<D>) {
         self.path = Path::Curved;
         self.length = h;
         self.scale = h;
-        self.end = [widen(&step.end), widen(&step.slope_end)];
+        self.slope = widen(slope);
+        self.end = widen(&step.end);
         for (row, from) in self.dense.iter_mut().zip(&step.dense) {
             *row = widen(from);
         }
