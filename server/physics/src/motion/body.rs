@@ -99,9 +99,8 @@ impl Body {
     ) {
         arc.start = start;
         arc.state = *state;
-        arc.turn_angle = tolerance::turn_angle(accuracy);
         if surface.is_flat() {
-            self.launch_parabola(surface, arc);
+            self.launch_parabola(surface, accuracy, arc);
             return;
         }
         with_chart!(&surface.kernel, chart => {
@@ -109,17 +108,17 @@ impl Body {
             if self.rolls {
                 let first = law.stand(state);
                 let (h, step) = step_by::<ROLLING, _>(&law, accuracy, state, &first, stepping);
-                arc.fill(h, &first.slope.rate, &step);
+                arc.fill(h, &first.slope.rate, &step, accuracy);
             } else {
                 let y = narrow::<SLIDING>(state);
                 let first = law.stand(&y);
                 let (h, step) = step_by::<SLIDING, _>(&law, accuracy, &y, &first, stepping);
-                arc.fill(h, &first.slope.rate, &step);
+                arc.fill(h, &first.slope.rate, &step, accuracy);
             }
         });
     }
 
-    fn launch_parabola(&self, surface: &Surface, arc: &mut Arc) {
+    fn launch_parabola(&self, surface: &Surface, accuracy: Accuracy, arc: &mut Arc) {
         let (center, n) = self.seat(surface, &arc.state);
         let acceleration = (self.applied - n * self.applied.dot(&n)) * (1.0 / (1.0 + self.inertia_factor));
         arc.path = Path::Parabola;
@@ -132,9 +131,10 @@ impl Body {
         arc.acceleration_bound = acceleration.norm();
         arc.reaction = [-self.applied.dot(&n); 3];
         if self.rolls {
-            arc.turn = [V3::zeros(); TERMS];
-            arc.turn[1] = angular_velocity(&n, &arc.center[1], arc.state[5], self.radius);
-            arc.turn[2] = n.cross(&acceleration) * (0.5 / self.radius);
+            let mut turn = [V3::zeros(); TERMS];
+            turn[1] = angular_velocity(&n, &arc.center[1], arc.state[5], self.radius);
+            turn[2] = n.cross(&acceleration) * (0.5 / self.radius);
+            arc.turning.begin(turn, tolerance::allowed_turn_error(accuracy, 1.0, self.radius));
             // Orientation under force is a quadrature from the start of the arc; keep it short.
             if arc.acceleration_bound > 0.0 {
                 arc.length = tolerance::TURN_MAX;
@@ -153,8 +153,9 @@ impl Body {
         arc.center = [V3::zeros(); TERMS];
         let (center, n) = self.seat(surface, state);
         arc.center[0] = center;
-        arc.turn = [V3::zeros(); TERMS];
-        arc.turn[1] = angular_velocity(&n, &V3::zeros(), state[5], self.radius);
+        let mut turn = [V3::zeros(); TERMS];
+        turn[1] = angular_velocity(&n, &V3::zeros(), state[5], self.radius);
+        arc.turning.begin(turn, f64::INFINITY);
         arc.acceleration_bound = 0.0;
     }
 }
