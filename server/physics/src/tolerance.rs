@@ -107,6 +107,12 @@ pub const CLUSTER_SATISFIED: f64 = 1e-14;
 
 /// Sure advances towards a hit before it is isolated instead: five reach the last bit unless the balls graze.
 pub const ADVANCES_MAX: u32 = 8;
+/// Hits of one elastic impact resolved in turn before it counts as depending on their order: a row of 64 equal balls
+/// that all reverse needs 2016.
+pub const IN_TURN_HITS_MAX: usize = 2048;
+/// Difference of two outcomes that is rounding, relative to the fastest ball. Orders that matter differ by parts of 1.
+pub const SAME_OUTCOME: f64 = 1e-12;
+
 /// Halvings of an interval before a root is taken as a touch without crossing.
 pub const ROOT_DEPTH_MAX: u32 = 48;
 /// Intervals looked at for one root. A graze to the last bit needs some hundred; noise would need any number.
