@@ -18,13 +18,20 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// The scenes that come with the program: name and text.
-const BUILT_IN: [(&str, &str); 7] = [
+const BUILT_IN: [(&str, &str); 14] = [
     ("original", include_str!("../../scenes/original.toml")),
     ("original_frictionless", include_str!("../../scenes/original_frictionless.toml")),
     ("bowl", include_str!("../../scenes/bowl.toml")),
     ("plane", include_str!("../../scenes/plane.toml")),
     ("cradle", include_str!("../../scenes/cradle.toml")),
     ("galperin", include_str!("../../scenes/galperin.toml")),
+    ("saddle", include_str!("../../scenes/saddle.toml")),
+    ("trough", include_str!("../../scenes/trough.toml")),
+    ("monkey", include_str!("../../scenes/monkey.toml")),
+    ("break", include_str!("../../scenes/break.toml")),
+    ("corner", include_str!("../../scenes/corner.toml")),
+    ("bullet", include_str!("../../scenes/bullet.toml")),
+    ("bicubic", include_str!("../../scenes/bicubic.toml")),
     ("thousand", include_str!("../../scenes/thousand.toml")),
 ];
 
