@@ -72,9 +72,6 @@ pub const CLOSING_NOISE: f64 = 4e-15;
 /// The same for bodies that have just come to rest beside faster ones, m/s: an impact of a metre a second
 /// leaves as much. Overlap grows by it no faster than 4e-11 m an hour.
 pub const CLOSING_NOISE_SPEED: f64 = 1e-14;
-/// Hits of one ball within a quantum before it is held until the quantum ends: a bound of work, not of time. A
-/// light ball between a wall and one 1e12 times as heavy makes 3 141 592 in all.
-pub const HITS_PER_QUANTUM_MAX: u32 = 1 << 22;
 
 /// Gap below which balls count as touching when one of them is hit, in ulps of the larger coordinate.
 pub const TOUCH_ULPS: f64 = 4.0;
@@ -103,6 +100,8 @@ pub const REFLECTIONS_STUCK: usize = 64;
 /// Closing speed below which a contact of a cluster counts as satisfied, relative to the fastest ball.
 pub const CLUSTER_SATISFIED: f64 = 1e-14;
 
+/// Sure advances towards a hit before it is isolated instead: five reach the last bit unless the balls graze.
+pub const ADVANCES_MAX: u32 = 8;
 /// Halvings of an interval before a root is taken as a touch without crossing.
 pub const ROOT_DEPTH_MAX: u32 = 48;
 /// Intervals looked at for one root. A graze to the last bit needs some hundred; noise would need any number.

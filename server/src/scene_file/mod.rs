@@ -99,6 +99,7 @@ impl SceneText {
             },
             restitution: scene.restitution,
             accuracy: accuracy(scene.accuracy),
+            hit_budget: scene.hit_budget,
         };
         let cards = balls.into_iter().map(|ball| ball.card).collect();
         Ok(LoadedScene { source: self.clone(), scene: Arc::new(scene), physics, cards, wall_fields })

@@ -32,7 +32,7 @@ impl Controller {
 
     fn take(&mut self, ball: usize, next: &Next) {
         match next.what {
-            What::Ball { other, stamp } if self.balls[other as usize].stamp == stamp => {
+            What::Ball { other, stamp } if self.arcs[other as usize].stamp == stamp => {
                 self.collide_balls(ball, other as usize, next.time);
             }
             // The other ball went elsewhere: search again.
@@ -94,10 +94,10 @@ impl Controller {
             &mut b.stepping,
             &mut self.arcs[ball],
         );
-        b.stamp = b.stamp.wrapping_add(1);
         self.report.steps += b.stepping.steps - before;
         self.report.fallbacks += std::mem::take(&mut b.stepping.forced);
         let arc = &mut self.arcs[ball];
+        arc.stamp = arc.stamp.wrapping_add(1);
         if !arc.is_sane() {
             // The equations have no finite answer from here: the ball stands at its last good place.
             self.report.fallbacks += 1;

@@ -2,7 +2,7 @@
 
 use ballroom_physics::surface::bezier::BezierPatch;
 use ballroom_physics::{
-    Accuracy, BallSpec, BallState, Controller, Floor, MotionLaw, Place, Scene, Time, Wall,
+    Accuracy, BallSpec, BallState, Controller, Floor, HIT_BUDGET, MotionLaw, Place, Scene, Time, Wall,
 };
 use nalgebra::{Vector2, Vector3};
 
@@ -37,6 +37,7 @@ pub fn scene(floor: Floor, x: [f64; 2], y: [f64; 2], motion: MotionLaw) -> Scene
         motion,
         restitution: 1.0,
         accuracy: Accuracy::Tolerance(1e-12),
+        hit_budget: HIT_BUDGET,
     }
 }
 
