@@ -29,21 +29,25 @@ pub fn allowed_error(tolerance: f64, h: f64) -> f64 {
     ERROR_PER_SECOND * tolerance * h
 }
 
-/// Angle of one piece of a turn, rad, by the position error that is wanted, m. Magnus' remainder falls with its sixth
-/// power; the last is held to 1e-10 rad over 60 rad by the test `orientation_follows_the_angular_velocity`.
-pub const TURN_ANGLES: [(f64, f64); 4] = [(1e-6, 1.0), (1e-8, 0.5), (1e-10, 0.25), (0.0, 0.1)];
-
-/// Angle of one piece of a turn for a scene, rad; schemes of fixed step get the third of [`TURN_ANGLES`].
-pub fn turn_angle(accuracy: Accuracy) -> f64 {
+/// Error that the orientation may have after `h` seconds when `tolerance` metres are wanted, rad: a point on the ball's
+/// surface keeps to the tolerance as the centre does.
+pub fn allowed_turn_error(accuracy: Accuracy, h: f64, radius: f64) -> f64 {
     let wanted = match accuracy {
         Accuracy::Tolerance(tolerance) => tolerance,
-        Accuracy::Fixed(..) => TURN_ANGLES[2].0,
+        Accuracy::Fixed(..) => FIXED_TURN_TOLERANCE,
     };
-    TURN_ANGLES.iter().find(|(from, _)| wanted >= *from).map_or(TURN_ANGLES[3].1, |(_, angle)| *angle)
+    allowed_error(wanted, h) / radius
 }
 
+/// Position tolerance, m, whose turns schemes of fixed step get: better than they are.
+pub const FIXED_TURN_TOLERANCE: f64 = 1e-12;
+/// Bound of what a piece of a turn leaves out, over the size of the terms it is made of. Measured on turns of every size
+/// by the test `the_error_of_a_turn_is_the_one_allowed`.
+pub const TURN_REMAINDER: f64 = 1.0;
+/// Weight of one bracket more: Bernoulli numbers over factorials fall by about 2 pi.
+pub const TURN_BRACKET: f64 = 1.0 / 6.0;
 /// Most pieces of one turn: a ball that spins at 2000 rad/s for a second.
-pub const TURN_PIECES_MAX: f64 = 4096.0;
+pub const TURN_PIECES_MAX: u32 = 4096;
 /// Longest parabola of a rolling ball under force, s: its orientation is followed from the start.
 pub const TURN_MAX: f64 = 64.0 * QUANTUM;
 

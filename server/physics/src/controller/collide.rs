@@ -331,7 +331,7 @@ impl Controller {
             if cluster.held[place] {
                 self.hold(ball, time, &state);
             } else {
-                self.relaunch(ball, time, &state, None);
+                self.relaunch(ball, time, &state);
             }
         }
         for ball in cluster.found.drain(..) {

@@ -74,7 +74,7 @@ impl Controller {
         controller.check_room()?;
         for ball in 0..controller.balls.len() {
             let state = controller.arcs[ball].state;
-            controller.launch(ball, Time::ZERO, &state, None);
+            controller.launch(ball, Time::ZERO, &state);
         }
         for ball in 0..controller.balls.len() {
             controller.predict(ball);

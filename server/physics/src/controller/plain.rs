@@ -8,6 +8,7 @@ use super::{Ball, Drive};
 use crate::diagnostics::{Collisions, Report};
 use crate::motion::arc::{Arc, Path};
 use crate::motion::body::{Body, Stepping};
+use crate::motion::rotation::Turning;
 use crate::schedule::event::{Next, What};
 use crate::schedule::time::Time;
 use nalgebra::{Vector2, Vector3};
@@ -81,9 +82,10 @@ plain!(Body: applied; radius inertia_factor rolls);
 plain!(Stepping: try_s; steps forced);
 plain!(Drive: direction acceleration speed_limit;);
 plain!(
-    Arc: start window_end stamp length path state orientation;
-    scale radius acceleration_bound slope center dense end turn turn_angle reaction
+    Arc: start window_end stamp length path state turning;
+    scale radius acceleration_bound slope center dense end reaction
 );
+plain!(Turning: start; turn pieces followed);
 plain!(Next: time what;);
 plain!(
     Report: collisions;
@@ -146,6 +148,16 @@ impl<T: Plain, const N: usize> Plain for [T; N] {
     }
     fn read(from: &mut Reader<'_>) -> Self {
         std::array::from_fn(|_| T::read(from))
+    }
+}
+
+impl<A: Plain, B: Plain> Plain for (A, B) {
+    fn all(&self, keep: &mut impl FnMut(u64)) {
+        self.0.all(keep);
+        self.1.all(keep);
+    }
+    fn read(from: &mut Reader<'_>) -> Self {
+        (A::read(from), B::read(from))
     }
 }
 

@@ -5,12 +5,12 @@
 
 use super::body::Body;
 use super::law::{ROLLING, SLIDING, State, velocity};
-use super::rotation;
+use super::rotation::Turning;
 use super::step::{REACTION_AT, Step, TERMS};
 use crate::scene::Accuracy;
 use crate::schedule::time::Time;
 use crate::surface::chart::Surface;
-use crate::tolerance::SANE;
+use crate::tolerance::{self, SANE};
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -56,14 +56,10 @@ pub struct Arc {
     pub slope: State,
     /// State in powers of theta (curved arcs only).
     pub dense: [State; TERMS],
-    /// State and slope at the end (curved arcs only).
-    pub end: [State; 2],
-    /// Orientation at the start, ball to world: x, y, z, w.
-    pub orientation: [f64; 4],
-    /// Integral of the angular velocity in powers of theta, rad; zero when sliding.
-    pub turn: [V3; TERMS],
-    /// Largest piece in which a turn is followed, rad.
-    pub turn_angle: f64,
+    /// State at the end (curved arcs only).
+    pub end: State,
+    /// The orientation and its course.
+    pub turning: Turning,
     /// Floor reaction per mass at [`REACTION_AT`], m/s^2.
     pub reaction: [f64; 3],
 }
@@ -87,10 +83,8 @@ impl Arc {
             slope: [0.0; ROLLING],
             center: [V3::new(0.0, 0.0, 0.0); TERMS],
             dense: [[0.0; ROLLING]; TERMS],
-            end: [[0.0; ROLLING]; 2],
-            orientation: [0.0, 0.0, 0.0, 1.0],
-            turn: [V3::new(0.0, 0.0, 0.0); TERMS],
-            turn_angle: 1.0,
+            end: [0.0; ROLLING],
+            turning: Turning::STILL,
             reaction: [0.0; 3],
         }
     }
@@ -176,15 +170,15 @@ impl Arc {
     }
 
     /// Orientation `dt` seconds after the start.
-    pub fn orientation_at(&self, dt: f64) -> [f64; 4] {
-        rotation::follow(self.orientation, &self.turn, dt / self.scale, self.turn_angle)
+    pub fn orientation_at(&mut self, dt: f64) -> [f64; 4] {
+        self.turning.at(dt / self.scale)
     }
 
     /// Whether every number of a launched arc is finite and of a size that can be worked with.
     pub fn is_sane(&self) -> bool {
         let fine = |x: &f64| x.abs() <= SANE;
         let centers = self.center.iter().all(|c| c.iter().all(fine));
-        let (state, ends) = (&self.state, self.end.iter().flatten());
+        let (state, ends) = (&self.state, self.end.iter());
         centers && state.iter().all(fine) && (self.path != Path::Curved || ends.into_iter().all(fine))
     }
 
@@ -209,16 +203,23 @@ impl Arc {
     }
 
     /// Takes over an integration step of `h` seconds.
-    pub(super) fn fill<const D: usize>(&mut self, h: f64, step: &Step<D>) {
+    pub(super) fn fill<const D: usize>(
+        &mut self,
+        h: f64,
+        slope: &[f64; D],
+        step: &Step<D>,
+        accuracy: Accuracy,
+    ) {
         self.path = Path::Curved;
         self.length = h;
         self.scale = h;
-        self.end = [widen(&step.end), widen(&step.slope_end)];
+        self.slope = widen(slope);
+        self.end = widen(&step.end);
         for (row, from) in self.dense.iter_mut().zip(&step.dense) {
             *row = widen(from);
         }
         self.center = step.center;
-        self.turn = step.turn;
+        self.turning.begin(step.turn, tolerance::allowed_turn_error(accuracy, h, self.radius));
         self.reaction = step.reaction;
         let bound: f64 =
             step.center.iter().enumerate().skip(2).map(|(k, c)| (k * (k - 1)) as f64 * c.norm()).sum();

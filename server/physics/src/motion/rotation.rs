@@ -1,58 +1,124 @@
 //! Turning a ball, without platform sine and cosine: about an axis that stands still, and along an arc.
 
 use super::step::TERMS;
-use crate::tolerance::TURN_PIECES_MAX;
+use crate::tolerance::{TURN_BRACKET, TURN_PIECES_MAX, TURN_REMAINDER};
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
 
-/// The orientation at `theta`, from `start` at 0, where `turn` is the integral of the angular velocity in
-/// powers of theta (rad).
+/// An orientation that follows an angular velocity, given as its integral `turn` in powers of theta (rad).
 ///
-/// A rate of constant direction is exact. Else Magnus steps of order 6 in pieces of at most `piece_angle` rad
-/// (S. Blanes, F. Casas, J. Ros, "Improved high order integrators based on the Magnus expansion", BIT 40,
-/// 2000): fast spin costs pieces here, not steps of the motion.
-pub fn follow(start: [f64; 4], turn: &[V3; TERMS], theta: f64, piece_angle: f64) -> [f64; 4] {
-    if theta == 0.0 || turn.iter().all(|c| *c == V3::zeros()) {
-        return start;
+/// A rate of constant direction is exact. Else Magnus steps of order 6 (S. Blanes, F. Casas, J. Ros, "Improved high
+/// order integrators based on the Magnus expansion", BIT 40, 2000) in pieces that divide theta from 0 to 1 evenly: fast
+/// spin costs pieces here, not steps of the motion. What was followed is kept, so that later looks go on from there; since
+/// the pieces stand fixed, a look never changes another.
+#[derive(Clone, Copy, Debug)]
+pub struct Turning {
+    /// Integral of the angular velocity in powers of theta, rad; zero when sliding.
+    pub turn: [V3; TERMS],
+    /// Orientation at theta = 0, ball to world: x, y, z, w.
+    pub start: [f64; 4],
+    /// Pieces from theta = 0 to 1; 0 if the rate keeps its direction.
+    pub pieces: u32,
+    /// How many pieces have been followed, and the orientation there.
+    pub followed: (u32, [f64; 4]),
+}
+
+impl Turning {
+    /// Not turning at all.
+    pub const STILL: Self = Self {
+        turn: [V3::new(0.0, 0.0, 0.0); TERMS],
+        start: [0.0, 0.0, 0.0, 1.0],
+        pieces: 0,
+        followed: (0, [0.0, 0.0, 0.0, 1.0]),
+    };
+
+    /// From the orientation `start` with another rate, to be followed with an error of at most `allowed` rad by
+    /// theta = 1.
+    pub fn begin(&mut self, turn: [V3; TERMS], allowed: f64) {
+        self.turn = turn;
+        self.pieces = pieces(&turn, allowed);
+        self.followed = (0, self.start);
     }
-    if turn[2..].iter().all(|c| *c == V3::zeros()) {
-        return unit(compose(of_rotation_vector(turn[1] * theta), start));
+
+    /// The orientation at `theta`.
+    pub fn at(&mut self, theta: f64) -> [f64; 4] {
+        if theta == 0.0 || self.turn[1..].iter().all(|c| *c == V3::zeros()) {
+            return self.start;
+        }
+        if self.pieces == 0 {
+            return unit(compose(of_rotation_vector(along(&self.turn, theta)), self.start));
+        }
+        let h = 1.0 / f64::from(self.pieces);
+        let whole = (theta / h) as u32;
+        if whole < self.followed.0 {
+            self.followed = (0, self.start);
+        }
+        let (done, mut q) = self.followed;
+        for piece in done..whole {
+            q = compose(of_rotation_vector(magnus(&self.turn, (f64::from(piece) + 0.5) * h, h)), q);
+        }
+        self.followed = (whole, q);
+        let rest = theta - f64::from(whole) * h;
+        if rest > 0.0 {
+            q = compose(of_rotation_vector(magnus(&self.turn, theta - 0.5 * rest, rest)), q);
+        }
+        unit(q)
     }
-    let mut size = 0.0;
-    let mut power = 1.0;
-    for c in &turn[1..] {
-        power *= theta.abs();
-        size += c.norm() * power;
+}
+
+/// The angle turned by `theta`.
+fn along(turn: &[V3; TERMS], theta: f64) -> V3 {
+    turn[1..].iter().rev().fold(V3::zeros(), |sum, c| (sum + c) * theta)
+}
+
+/// Pieces after which the error at theta = 1 is at most `allowed` rad; 0 if the rate keeps its direction.
+///
+/// The terms that a step of order 6 leaves out are brackets of seven orders of h in all. Each holds a term of the rate,
+/// across the rate's first direction, and other terms for the rest of the orders; each bracket more has a smaller weight.
+fn pieces(turn: &[V3; TERMS], allowed: f64) -> u32 {
+    let axis = turn[1] / turn[1].norm().max(f64::MIN_POSITIVE);
+    let across = turn.map(|c| c.cross(&axis).norm());
+    if across[2..].iter().all(|x| *x == 0.0) {
+        return 0;
     }
-    let pieces = (size / piece_angle).ceil().clamp(1.0, TURN_PIECES_MAX);
-    let h = theta / pieces;
-    let mut q = start;
-    for piece in 0..pieces as u32 {
-        q = compose(of_rotation_vector(magnus(turn, (f64::from(piece) + 0.5) * h, h)), q);
+    let [_, a, b, c, d, e, ..] = turn.map(|c| TURN_BRACKET * c.norm());
+    let rest = [
+        a,
+        a * a + b,
+        a * a * a + a * b + c,
+        a * a * a * a + a * a * b + b * b + a * c + d,
+        a * a * a * a * a + a * a * a * b + a * b * b + a * a * c + b * c + a * d + e,
+    ];
+    let left_out = TURN_REMAINDER * (2..7).map(|k| across[k] * rest[6 - k]).sum::<f64>();
+    let mut pieces: u32 = 1;
+    while pieces < TURN_PIECES_MAX && left_out > allowed * f64::from(pieces).powi(6) {
+        pieces += pieces.div_ceil(4);
     }
-    unit(q)
+    pieces
 }
 
 /// Rotation vector of the piece of length `h` around `middle`.
 fn magnus(turn: &[V3; TERMS], middle: f64, h: f64) -> V3 {
-    // The rate and its first four derivatives over factorials at the middle: a Taylor shift.
+    // The rate and its derivatives over factorials at the middle: a Taylor shift.
     let mut rate: [V3; TERMS - 1] = std::array::from_fn(|k| turn[k + 1] * (k + 1) as f64);
-    for k in 0..5 {
+    for k in 0..TERMS - 2 {
         for i in (k..TERMS - 2).rev() {
             let higher = rate[i + 1];
             rate[i] += higher * middle;
         }
     }
     let (h2, h3) = (h * h, h * h * h);
-    let [a0, a1, a2, a3, a4, ..] = rate;
+    let [a0, a1, a2, a3, a4, _, a6] = rate;
     // Moments about the middle that reproduce the rate's integrals to order 6.
     let first = a0 * h - a4 * (h3 * h2 * (3.0 / 560.0));
     let second = a1 * h2 + a3 * (h2 * h2 * (3.0 / 20.0));
     let third = a2 * h3 + a4 * (h3 * h2 * (3.0 / 14.0));
     let c1 = first.cross(&second);
     let c2 = first.cross(&(third * 2.0 + c1)) * (-1.0 / 60.0);
-    first + third / 12.0 + (first * -20.0 - third + c1).cross(&(second + c2)) / 240.0
+    // The part that commutes is the angle turned, whatever its order.
+    let turned = (a0 + (a2 * (1.0 / 12.0) + (a4 * (1.0 / 80.0) + a6 * (h2 / 448.0)) * h2) * h2) * h;
+    turned + (first * -20.0 - third + c1).cross(&(second + c2)) / 240.0
 }
 
 /// Quaternion (x, y, z, w) of the rotation by |`angle`| about `angle`.
@@ -130,6 +196,50 @@ mod tests {
         assert!(error(8) < 1e-8, "{:e}", error(8));
         let order = (error(8) / error(16)).log2();
         assert!(order > 5.7, "observed order {order}");
+    }
+
+    /// Rates of every size and bend.
+    fn turns() -> impl Iterator<Item = [V3; TERMS]> {
+        let mut seed = 5_u64;
+        let mut random = move || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        (0..2000).map(move |_| {
+            let size = 10.0_f64.powf(1.5 * random());
+            let shrink = 0.5 * random().abs();
+            let flat = if random() > 0.0 { 1.0 } else { 0.01 };
+            let mut scale = size;
+            std::array::from_fn(|k| {
+                if k == 0 {
+                    return V3::zeros();
+                }
+                let bent = if k == 1 { 1.0 } else { flat };
+                let c = V3::new(random(), bent * random(), bent * random()) * (scale / k as f64);
+                scale *= shrink;
+                c
+            })
+        })
+    }
+
+    #[test]
+    fn the_error_of_a_turn_is_the_one_allowed() {
+        let mut worst = [0.0_f64; 3];
+        for turn in turns() {
+            for (allowed, worst) in [1e-6, 1e-9, 1e-12].into_iter().zip(&mut worst) {
+                let mut turning = Turning::STILL;
+                turning.begin(turn, allowed);
+                let quick = turning.at(1.0);
+                let chosen = turning.pieces;
+                turning.pieces = (chosen * 8).max(64);
+                turning.followed = (0, turning.start);
+                let fine = turning.at(1.0);
+                let apart = (0..4).map(|i| (quick[i] - fine[i]).abs()).fold(0.0, f64::max) * 2.0;
+                // Rounding grows with the angle.
+                *worst = worst.max((apart - 4e-14).max(0.0) / allowed);
+            }
+        }
+        assert!(worst.iter().all(|share| *share <= 1.0), "error over allowed: {worst:?}");
     }
 
     #[test]
