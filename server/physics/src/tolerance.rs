@@ -105,6 +105,8 @@ pub const REFLECTIONS_STUCK: usize = 64;
 /// Closing speed below which a contact of a cluster counts as satisfied, relative to the fastest ball.
 pub const CLUSTER_SATISFIED: f64 = 1e-14;
 
+/// Sure advances towards a hit before it is isolated instead: five reach the last bit unless the balls graze.
+pub const ADVANCES_MAX: u32 = 8;
 /// Hits of one elastic impact resolved in turn before it counts as depending on their order: a row of 64 equal balls
 /// that all reverse needs 2016.
 pub const IN_TURN_HITS_MAX: usize = 2048;

@@ -70,10 +70,6 @@ struct Ball {
     /// 1/((1+k) m).
     inverse_mass: f64,
     stepping: Stepping,
-    /// End of the span over which the ball's future has been searched.
-    window_end: Time,
-    /// Changes whenever the arc does; predictions that carry an older one are void.
-    stamp: u32,
     drive: Option<Drive>,
     /// Hits in quantum `hits_quantum`, and the slow ones among them.
     hits: u32,

@@ -10,7 +10,7 @@ impl Controller {
     pub(super) fn observe(&mut self) {
         for (ball, out) in self.states.iter_mut().enumerate() {
             let b = &self.balls[ball];
-            let arc = &self.arcs[ball];
+            let arc = &mut self.arcs[ball];
             let dt = self.time.since(arc.start).max(0.0);
             let (state, center, n) = arc.sample(&b.body, &self.surface, dt);
             let w = velocity(&state);

@@ -8,6 +8,7 @@ use super::{Ball, Drive};
 use crate::diagnostics::{Collisions, Report};
 use crate::motion::arc::{Arc, Path};
 use crate::motion::body::{Body, Stepping};
+use crate::motion::rotation::Turning;
 use crate::schedule::event::{Next, What};
 use crate::schedule::time::Time;
 use nalgebra::{Vector2, Vector3};
@@ -76,14 +77,15 @@ macro_rules! plain {
     };
 }
 
-plain!(Ball: body stepping window_end stamp drive hits rest_hits hits_quantum; mass inverse_mass free_omega);
+plain!(Ball: body stepping drive hits rest_hits hits_quantum; mass inverse_mass free_omega);
 plain!(Body: applied; radius inertia_factor rolls);
 plain!(Stepping: try_s; steps forced);
 plain!(Drive: direction acceleration speed_limit;);
 plain!(
-    Arc: start length path state orientation;
-    scale slope center dense end turn turn_left_out reaction acceleration_bound
+    Arc: start window_end stamp length path state turning;
+    scale radius acceleration_bound slope center dense end reaction
 );
+plain!(Turning: start; turn pieces left_out followed);
 plain!(Next: time what;);
 plain!(
     Report: collisions;
@@ -146,6 +148,16 @@ impl<T: Plain, const N: usize> Plain for [T; N] {
     }
     fn read(from: &mut Reader<'_>) -> Self {
         std::array::from_fn(|_| T::read(from))
+    }
+}
+
+impl<A: Plain, B: Plain> Plain for (A, B) {
+    fn all(&self, keep: &mut impl FnMut(u64)) {
+        self.0.all(keep);
+        self.1.all(keep);
+    }
+    fn read(from: &mut Reader<'_>) -> Self {
+        (A::read(from), B::read(from))
     }
 }
 

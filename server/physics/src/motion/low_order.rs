@@ -3,7 +3,7 @@
 //! They are here to be compared with. Tsitouras' coefficients and interpolant: Ch. Tsitouras, "Runge-Kutta
 //! pairs of order 5(4) satisfying only the first column simplifying assumption", Comput. Math. Appl. 62 (2011).
 
-use super::law::{Law, ROLLING, Slope, angular_velocity, velocity};
+use super::law::{Law, ROLLING, Slope, Stand, angular_velocity, velocity};
 use super::step::{Step, TERMS, combine, cubic_hermite, quintic_hermite};
 use crate::surface::chart::Chart;
 use nalgebra::Vector3;
@@ -73,15 +73,20 @@ pub fn rk4_land<const D: usize, C: Chart>(law: &Law<'_, C>, y: &[f64; D], k1: &[
 }
 
 /// The classical scheme: a whole step with cubics inside.
-pub fn rk4_step<const D: usize, C: Chart>(law: &Law<'_, C>, y: &[f64; D], k1: &[f64; D], h: f64) -> Step<D> {
-    let (mut k, end) = rk4_stages(law, y, k1, h);
-    let (first, last) = (law.slope(y), law.slope(&end));
-    k.omega[0] = turning(law, y, &first);
-    let omega_end = turning(law, &end, &last);
+pub fn rk4_step<const D: usize, C: Chart>(
+    law: &Law<'_, C>,
+    y: &[f64; D],
+    first: &Stand<D>,
+    h: f64,
+) -> Step<D> {
+    let (mut k, end) = rk4_stages(law, y, &first.slope.rate, h);
+    let last = law.stand(&end);
+    k.omega[0] = turning(law, y, &first.slope);
+    let omega_end = turning(law, &end, &last.slope);
     let rise = RK4_B.iter().zip(&k.omega).map(|(b, omega)| omega * *b).sum::<V3>() * h;
     let turn = cubic_hermite(h, [&[0.0; 3], &rise.into()], [&k.omega[0].into(), &omega_end.into()]);
-    let dense = cubic_hermite(h, [y, &end], [k1, &last.rate]);
-    finish(law, (y, &first), (&end, &last), h, (dense, turn))
+    let dense = cubic_hermite(h, [y, &end], [&first.slope.rate, &last.slope.rate]);
+    finish((y, first), (&end, &last), h, (dense, turn))
 }
 
 /// Stages 1 to 5 of Tsitouras' scheme.
@@ -139,17 +144,16 @@ pub fn tsit5_land<const D: usize, C: Chart>(
 pub fn tsit5_step<const D: usize, C: Chart>(
     law: &Law<'_, C>,
     y: &[f64; D],
-    k1: &[f64; D],
+    first: &Stand<D>,
     h: f64,
 ) -> Step<D> {
-    let (mut k, end) = tsit5_stages(law, y, k1, h);
-    let (first, last) = (law.slope(y), law.slope(&end));
-    k.omega[0] = turning(law, y, &first);
-    let omega_end = turning(law, &end, &last);
-    let omega = k.omega.map(V3::into);
-    let turn = tsit5_dense(h, &[0.0; 3], &omega, &omega_end.into());
-    let dense = tsit5_dense(h, y, &k.rate, &last.rate);
-    finish(law, (y, &first), (&end, &last), h, (dense, turn))
+    let (mut k, end) = tsit5_stages(law, y, &first.slope.rate, h);
+    let last = law.stand(&end);
+    k.omega[0] = turning(law, y, &first.slope);
+    let omega_end = turning(law, &end, &last.slope);
+    let turn = tsit5_dense(h, &[0.0; 3], &k.omega.map(V3::into), &omega_end.into());
+    let dense = tsit5_dense(h, y, &k.rate, &last.slope.rate);
+    finish((y, first), (&end, &last), h, (dense, turn))
 }
 
 /// The interpolant of what begins at `y` with these slopes.
@@ -205,27 +209,19 @@ fn tsit5_interpolant() -> [[f64; 4]; 7] {
 }
 
 /// The step from the states and slopes at its ends, with the state and the angle turned inside.
-fn finish<const D: usize, C: Chart>(
-    law: &Law<'_, C>,
-    (y, first): (&[f64; D], &Slope<D>),
-    (end, last): (&[f64; D], &Slope<D>),
+fn finish<const D: usize>(
+    (y, first): (&[f64; D], &Stand<D>),
+    (end, last): (&[f64; D], &Stand<D>),
     h: f64,
     (dense, turn): ([[f64; D]; TERMS], [[f64; 3]; TERMS]),
 ) -> Step<D> {
-    let centers = [law.center(y), law.center(end)];
-    let velocities = [velocity(y), velocity(end)];
-    let center = quintic_hermite(h, centers, velocities, [velocity(&first.rate), velocity(&last.rate)]);
+    let accelerations = [velocity(&first.slope.rate), velocity(&last.slope.rate)];
+    let center = quintic_hermite(h, [first.center, last.center], [velocity(y), velocity(end)], accelerations);
     // Linear between the ends is as good as these schemes.
-    let inside = first.reaction + (last.reaction - first.reaction) * super::step::REACTION_AT[1];
-    Step {
-        end: *end,
-        slope_end: last.rate,
-        error: 0.0,
-        dense,
-        center,
-        turn: turn.map(V3::from),
-        reaction: [first.reaction, inside, last.reaction],
-    }
+    let [begin, stop] = [first.slope.reaction, last.slope.reaction];
+    let inside = begin + (stop - begin) * super::step::REACTION_AT[1];
+    let turn = turn.map(V3::from);
+    Step { end: *end, error: 0.0, dense, center, turn, reaction: [begin, inside, stop] }
 }
 
 #[cfg(test)]

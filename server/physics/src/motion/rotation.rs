@@ -9,31 +9,84 @@ type V3 = Vector3<f64>;
 /// Coefficients of an arc's angular velocity.
 const RATE_TERMS: usize = TERMS - 1;
 
-/// The orientation at `theta`, from `start` at 0, where `turn` is the integral of the angular velocity in
-/// powers of theta (rad).
+/// An orientation that follows an angular velocity, given as its integral `turn` in powers of theta (rad).
 ///
-/// A rate of constant direction is exact. Else the quaternion is summed as its own power series in pieces of about
-/// [`TURN_PIECE`], until what is left out is below `left_out` (rad): of any order that the wanted error needs.
-pub fn follow(start: [f64; 4], turn: &[V3; TERMS], theta: f64, left_out: f64) -> [f64; 4] {
-    if theta == 0.0 || turn.iter().all(|c| *c == V3::zeros()) {
-        return start;
+/// A rate of constant direction is exact. Else the quaternion is summed as its own power series, of any order that the
+/// wanted error needs, in pieces of about [`TURN_PIECE`] that divide theta from 0 to 1 evenly: fast spin costs pieces here,
+/// not steps of the motion. What was followed is kept, so that later looks go on from there; since the pieces stand fixed,
+/// a look never changes another.
+#[derive(Clone, Copy, Debug)]
+pub struct Turning {
+    /// Integral of the angular velocity in powers of theta, rad; zero when sliding.
+    pub turn: [V3; TERMS],
+    /// Orientation at theta = 0, ball to world: x, y, z, w.
+    pub start: [f64; 4],
+    /// Pieces from theta = 0 to 1; 0 if the rate keeps its direction.
+    pub pieces: u32,
+    /// Rotation that a piece may leave out, rad.
+    pub left_out: f64,
+    /// How many pieces have been followed, and the orientation there.
+    pub followed: (u32, [f64; 4]),
+}
+
+impl Turning {
+    /// Not turning at all.
+    pub const STILL: Self = Self {
+        turn: [V3::new(0.0, 0.0, 0.0); TERMS],
+        start: [0.0, 0.0, 0.0, 1.0],
+        pieces: 0,
+        left_out: 1.0,
+        followed: (0, [0.0, 0.0, 0.0, 1.0]),
+    };
+
+    /// From the orientation `start` with another rate; each piece may leave out `left_out` rad.
+    pub fn begin(&mut self, turn: [V3; TERMS], left_out: f64) {
+        self.turn = turn;
+        self.left_out = left_out;
+        self.pieces = pieces(&turn);
+        self.followed = (0, self.start);
     }
-    if turn[2..].iter().all(|c| *c == V3::zeros()) {
-        return unit(compose(of_rotation_vector(turn[1] * theta), start));
+
+    /// The orientation at `theta`.
+    pub fn at(&mut self, theta: f64) -> [f64; 4] {
+        if theta == 0.0 || self.turn[1..].iter().all(|c| *c == V3::zeros()) {
+            return self.start;
+        }
+        if self.pieces == 0 {
+            return unit(compose(of_rotation_vector(along(&self.turn, theta)), self.start));
+        }
+        let h = 1.0 / f64::from(self.pieces);
+        let whole = (theta / h) as u32;
+        if whole < self.followed.0 {
+            self.followed = (0, self.start);
+        }
+        let (done, mut q) = self.followed;
+        for piece in done..whole {
+            q = self.turned(q, f64::from(piece) * h, h);
+        }
+        self.followed = (whole, q);
+        let from = f64::from(whole) * h;
+        if theta > from { self.turned(q, from, theta - from) } else { q }
     }
-    let mut size = 0.0;
-    let mut power = 1.0;
-    for c in &turn[1..] {
-        power *= theta.abs();
-        size += c.norm() * power;
+
+    /// An orientation turned on from theta = `from` by `h`.
+    fn turned(&self, q: [f64; 4], from: f64, h: f64) -> [f64; 4] {
+        unit(compose(series(&rate_from(&self.turn, from, h), self.left_out), q))
     }
-    let pieces = (size / TURN_PIECE).ceil().clamp(1.0, TURN_PIECES_MAX);
-    let h = theta / pieces;
-    let mut q = start;
-    for piece in 0..pieces as u32 {
-        q = unit(compose(series(&rate_from(turn, f64::from(piece) * h, h), left_out), q));
+}
+
+/// The angle turned by `theta`.
+fn along(turn: &[V3; TERMS], theta: f64) -> V3 {
+    turn[1..].iter().rev().fold(V3::zeros(), |sum, c| (sum + c) * theta)
+}
+
+/// Pieces from theta = 0 to 1; 0 if the rate keeps its direction.
+fn pieces(turn: &[V3; TERMS]) -> u32 {
+    if turn[2..].iter().all(|c| c.cross(&turn[1]) == V3::zeros()) {
+        return 0;
     }
-    q
+    let size: f64 = turn[1..].iter().map(V3::norm).sum();
+    (size / TURN_PIECE).ceil().clamp(1.0, TURN_PIECES_MAX) as u32
 }
 
 /// Coefficients of the angular velocity in powers of (theta - from)/h, times h: a Taylor shift.
@@ -172,7 +225,10 @@ mod tests {
         for (size, theta) in [(0.1, 1.0), (1.0, 0.5), (1.0, 1.0), (9.0, 1.0)] {
             let exact = slowly(&turn(size), theta);
             for left_out in [1e-5, 1e-8, 1e-13] {
-                let q = follow([0.0, 0.0, 0.0, 1.0], &turn(size), theta, left_out);
+                let mut turning = Turning::STILL;
+                turning.begin(turn(size), left_out);
+                let q = turning.at(theta);
+                assert_eq!(q, turning.at(theta), "a look changed the next");
                 let error = (0..4).map(|i| (q[i] - exact[i]).abs()).fold(0.0, f64::max);
                 assert!(error < left_out * (1.0 + 2.0 * size), "{error:e} of {left_out:e}, size {size}");
             }
