@@ -283,7 +283,7 @@ pub enum InertiaName {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cloud {
-    /// Names are `<name>-0001` and so on.
+    /// Names are `<name>-0001` and so on, with more digits where `count` has more.
     pub name: String,
     /// How many.
     pub count: u32,

@@ -29,19 +29,24 @@ pub fn allowed_error(tolerance: f64, h: f64) -> f64 {
     ERROR_PER_SECOND * tolerance * h
 }
 
-/// Angle of one piece of a turn, rad, by the position error that is wanted, m. Magnus' remainder falls with its sixth
-/// power; the last is held to 1e-10 rad over 60 rad by the test `orientation_follows_the_angular_velocity`.
-pub const TURN_ANGLES: [(f64, f64); 4] = [(1e-6, 1.0), (1e-8, 0.5), (1e-10, 0.25), (0.0, 0.1)];
+/// Rotation that one arc's turn may leave out over the position error that is wanted, rad/m. Arcs are up to a hundred a
+/// second, so that 10 s of them stay a decade below what a radius of 0.1 m would show; each decade costs a term.
+pub const TURN_SHARE: f64 = 1e-2;
+/// Least rotation worth keeping, rad: rounding. Also for schemes of fixed step, whose own order shall show.
+pub const TURN_LEAST: f64 = 1e-15;
 
-/// Angle of one piece of a turn for a scene, rad; schemes of fixed step get the third of [`TURN_ANGLES`].
-pub fn turn_angle(accuracy: Accuracy) -> f64 {
-    let wanted = match accuracy {
-        Accuracy::Tolerance(tolerance) => tolerance,
-        Accuracy::Fixed(..) => TURN_ANGLES[2].0,
-    };
-    TURN_ANGLES.iter().find(|(from, _)| wanted >= *from).map_or(TURN_ANGLES[3].1, |(_, angle)| *angle)
+/// Rotation that a turn may leave out in a scene, rad.
+pub fn turn_left_out(accuracy: Accuracy) -> f64 {
+    match accuracy {
+        Accuracy::Tolerance(tolerance) => (TURN_SHARE * tolerance).max(TURN_LEAST),
+        Accuracy::Fixed(..) => TURN_LEAST,
+    }
 }
 
+/// Angle of one piece of a turn, rad. More takes many terms, less takes many pieces; the minimum is flat.
+pub const TURN_PIECE: f64 = 1.0;
+/// Terms of one piece: the last of a turn of degree 7 may be 7 rad long, and (7/2)^32/32! is below 1e-17.
+pub const TURN_TERMS_MAX: usize = 33;
 /// Most pieces of one turn: a ball that spins at 2000 rad/s for a second.
 pub const TURN_PIECES_MAX: f64 = 4096.0;
 /// Longest parabola of a rolling ball under force, s: its orientation is followed from the start.
@@ -100,6 +105,8 @@ pub const REFLECTIONS_STUCK: usize = 64;
 /// Closing speed below which a contact of a cluster counts as satisfied, relative to the fastest ball.
 pub const CLUSTER_SATISFIED: f64 = 1e-14;
 
+/// Sure advances towards a hit before it is isolated instead: five reach the last bit unless the balls graze.
+pub const ADVANCES_MAX: u32 = 8;
 /// Hits of one elastic impact resolved in turn before it counts as depending on their order: a row of 64 equal balls
 /// that all reverse needs 2016.
 pub const IN_TURN_HITS_MAX: usize = 2048;

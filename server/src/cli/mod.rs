@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand, and what they share.
 
+mod ball_count;
 mod check;
 mod clock;
 mod connection;

@@ -26,14 +26,24 @@ impl Case {
         demands: [Demand; N],
         run: impl Fn() -> Result<[f64; N], SceneFault> + Send + Sync + 'static,
     ) -> Self {
-        let run = Box::new(move || run().map(Vec::from));
-        Self { id: id.into(), title: title.into(), demands: demands.into(), run }
+        Self::with(id, title, demands.into(), move || run().map(Vec::from))
+    }
+
+    /// The same where the number of demands depends on the case.
+    pub fn with(
+        id: impl Into<String>,
+        title: impl Into<String>,
+        demands: Vec<Demand>,
+        run: impl Fn() -> Result<Vec<f64>, SceneFault> + Send + Sync + 'static,
+    ) -> Self {
+        Self { id: id.into(), title: title.into(), demands, run: Box::new(run) }
     }
 
     /// Runs it. The same case always measures the same bits. The error is that of a scene which should have been
     /// taken and was refused.
     pub fn run(&self) -> Result<Vec<Row>, SceneFault> {
         let measured = (self.run)()?;
+        assert_eq!(measured.len(), self.demands.len(), "{}: a number for each demand", self.id);
         Ok(self
             .demands
             .iter()

@@ -8,6 +8,7 @@
 //! | [`select`] | all rows, and some of them by the beginning of their ids |
 //! | [`hard`] | cases that break typical engines, one family a file |
 //! | [`closed_forms`] | motion and hits with exact answers |
+//! | [`references`] | trajectories on any floor, from another formulation in 33 and 42 digits |
 //! | [`scenes`], [`ride`], [`mirror`] | scenes in few words, and ways to run and compare them |
 
 pub mod case;
@@ -15,6 +16,7 @@ pub mod closed_forms;
 pub mod demand;
 pub mod hard;
 pub mod mirror;
+pub mod references;
 pub mod ride;
 pub mod scenes;
 pub mod select;

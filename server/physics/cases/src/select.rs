@@ -1,11 +1,11 @@
 //! All cases, and some of them by the beginning of their ids.
 
 use crate::case::Case;
-use crate::{closed_forms, hard};
+use crate::{closed_forms, hard, references};
 
 /// Every case, family by family.
 pub fn all() -> impl Iterator<Item = Case> {
-    hard::cases().into_iter().chain(closed_forms::cases())
+    hard::cases().into_iter().chain(closed_forms::cases()).chain(references::cases())
 }
 
 /// No case begins so.

@@ -35,6 +35,7 @@ macro_rules! families {
 }
 
 families! {
+    balls_follow_references_of_another_formulation: "R/",
     hits_between_a_wall_and_a_heavy_ball_spell_pi: "H1/",
     as_many_balls_leave_a_cradle_as_came: "H2/",
     balls_that_meet_at_once_part_by_symmetry: "H3/",

@@ -242,7 +242,7 @@ impl Controller {
             self.broad_phase.neighbours(ball, |other| {
                 let arc = &self.arcs[other];
                 let apart = arc.center_at(time.since(arc.start)) - center;
-                let reach = radius + self.balls[other].body.radius + POLISH;
+                let reach = radius + arc.radius + POLISH;
                 if apart.norm_squared() <= reach * reach {
                     found.push(other);
                 }
@@ -331,7 +331,7 @@ impl Controller {
             if cluster.held[place] {
                 self.hold(ball, time, &state);
             } else {
-                self.relaunch(ball, time, &state, None);
+                self.relaunch(ball, time, &state);
             }
         }
         for ball in cluster.found.drain(..) {
@@ -376,7 +376,7 @@ impl Controller {
         let arc = &mut self.arcs[ball];
         let length = Time::of_quantum(time.quantum()).after(QUANTUM).since(time);
         let b = &mut self.balls[ball];
+        arc.stamp = arc.stamp.wrapping_add(1);
         b.body.hold(&self.surface, (time, state), length, arc);
-        b.stamp = b.stamp.wrapping_add(1);
     }
 }

@@ -43,7 +43,7 @@ impl Controller {
             .collect();
         let radii: Vec<f64> = order.iter().map(|i| scene.balls[*i].radius).collect();
         let mut balls = Vec::with_capacity(order.len());
-        let mut arcs = vec![Arc::empty(); order.len()];
+        let mut arcs: Vec<Arc> = radii.iter().map(|radius| Arc::empty(*radius)).collect();
         for (index, arc) in order.iter().zip(&mut arcs) {
             let (ball, state) = set_down(scene, &surface, *index)?;
             ball.body.hold(&surface, (Time::ZERO, &state), 0.0, arc);
@@ -74,7 +74,7 @@ impl Controller {
         controller.check_room()?;
         for ball in 0..controller.balls.len() {
             let state = controller.arcs[ball].state;
-            controller.launch(ball, Time::ZERO, &state, None);
+            controller.launch(ball, Time::ZERO, &state);
         }
         for ball in 0..controller.balls.len() {
             controller.predict(ball);
@@ -280,8 +280,6 @@ fn set_down(scene: &Scene, surface: &Surface, index: usize) -> Result<(Ball, Sta
         mass: spec.mass,
         inverse_mass: 1.0 / ((1.0 + inertia_factor) * spec.mass),
         stepping: Stepping { try_s, steps: 0, forced: 0 },
-        window_end: Time::ZERO,
-        stamp: 0,
         drive: None,
         hits: 0,
         rest_hits: 0,

@@ -93,6 +93,11 @@ impl BroadPhase {
         self.cell[ball] = cell;
     }
 
+    /// Bounds that `ball` is filed under.
+    pub fn bounds_of(&self, ball: usize) -> &Bounds {
+        &self.bounds[ball]
+    }
+
     fn unlink(&mut self, ball: usize) {
         if self.cell[ball] == NOBODY {
             return;
