@@ -10,6 +10,7 @@ mod floors;
 mod table;
 
 use crate::case::Case;
+use crate::ride::Largest;
 use crate::scenes::{HOLLOW, SOLID};
 use ballroom_physics::{Accuracy, Scene, SceneFault};
 use compare::{Ground, Reference, Start};
@@ -130,7 +131,7 @@ fn without_symmetry() -> Vec<Reference> {
     ]
 }
 
-fn saddles_and_walls() -> Vec<Reference> {
+fn saddles_and_steep() -> Vec<Reference> {
     let saddle = Ground { shape: floors::SADDLE, half: 2.0, gravity: 9.81, charts: ALL };
     let monkey = Ground { shape: floors::MONKEY, half: 2.5, ..saddle.clone() };
     let steep = Ground { shape: floors::STEEP, half: 1.5, ..saddle.clone() };
@@ -189,9 +190,19 @@ fn with_hits() -> Vec<Reference> {
     ]
 }
 
+/// The largest error of a centre beside any reference without hits, m.
+pub fn largest_error(accuracy: Accuracy) -> Result<f64, SceneFault> {
+    let mut largest = Largest::default();
+    for reference in [with_symmetry(), without_symmetry(), saddles_and_steep()].into_iter().flatten() {
+        let scene = Scene { accuracy, ..reference.scene(Chart::Plain) };
+        largest.see(reference.errors(&scene)?[0]);
+    }
+    Ok(largest.value())
+}
+
 /// Every case of this room.
 pub fn cases() -> Vec<Case> {
-    [with_symmetry(), without_symmetry(), saddles_and_walls(), with_hits()]
+    [with_symmetry(), without_symmetry(), saddles_and_steep(), with_hits()]
         .into_iter()
         .flatten()
         .flat_map(Reference::cases)
