@@ -73,7 +73,7 @@ def main():
     print("];\n")
     print(f"/// Hits between discs so far, and x and y of every disc, m, at ticks of {RATE_HZ} Hz.")
     print("#[rustfmt::skip]")
-    print(f"pub const DISCS: [(u32, [f64; {2 * len(START)}]); {len(rows)}] = [")
+    print(f"pub static DISCS: [(u32, [f64; {2 * len(START)}]); {len(rows)}] = [")
     for hits, row in rows:
         print(f"    ({hits}, [{', '.join(repr(x) for x in row)}]),")
     print("];")

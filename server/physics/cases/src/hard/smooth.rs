@@ -214,6 +214,9 @@ fn resting(name: &str) -> Scene {
     if name == "net" { as_net(&scene) } else { scene }
 }
 
+/// Needless hits and error of a centre.
+type Measure = fn() -> Result<[f64; 2], SceneFault>;
+
 /// The cases of this family.
 pub fn cases() -> Vec<Case> {
     let mut cases = vec![];
@@ -256,7 +259,6 @@ pub fn cases() -> Vec<Case> {
             move || off_a_saddle(motion),
         ));
     }
-    type Measure = fn() -> Result<[f64; 2], SceneFault>;
     let borders: [(&str, &str, f64, Measure); 3] = [
         ("H18/flat", "along a wall it touches, end to end", 60.0, along_the_flat_border),
         ("H18/curved", "to and fro in a trough along a wall it touches", 60.0, along_the_curved_border),
