@@ -2,7 +2,6 @@
 
 mod allocation;
 mod checkpoints;
-mod hard_cases;
 mod known_faults;
 mod repeatable;
 mod scenes;

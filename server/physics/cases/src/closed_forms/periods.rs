@@ -1,4 +1,4 @@
-//! B1, B2, B3 and the pit: periods by elliptic integrals and quadrature; numbers by `reference/periods.py`.
+//! B1, B2, B3 and the pit: periods by elliptic integrals and quadrature; numbers by `generators/periods.py`.
 
 use super::{Kind, ROLLING_HOLLOW, ROLLING_SOLID, SLIDING, with};
 use crate::case::Case;

@@ -115,6 +115,9 @@ fn incline(e: f64, motion: MotionLaw) -> Result<[f64; 2], SceneFault> {
     bounces(&scene, 1.0, 9.81 * 0.6 * 0.8 / (1.0 + k), if e < 1.0 { 60 } else { 1000 })
 }
 
+/// Errors of hits at a restitution under a law of motion.
+type Measure = fn(f64, MotionLaw) -> Result<[f64; 2], SceneFault>;
+
 /// The cases of this family.
 pub fn cases() -> Vec<Case> {
     let mut cases = vec![];
@@ -138,7 +141,6 @@ pub fn cases() -> Vec<Case> {
             move || below_collapse(count),
         ));
     }
-    type Measure = fn(f64, MotionLaw) -> Result<[f64; 2], SceneFault>;
     let grounds: [(&str, &str, Measure); 2] =
         [("leaning", "under leaning gravity", leaning), ("incline", "down an incline", incline)];
     for (name, title, measure) in grounds {

@@ -1,4 +1,4 @@
-//! The floors of the references; their twins stand in `reference/floors.py`.
+//! The floors of the references; their twins stand in `generators/floors.py`.
 
 use super::charts::{Shape, bent, leaning};
 use ballroom_physics::Floor;

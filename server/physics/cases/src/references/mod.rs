@@ -1,5 +1,5 @@
 //! Trajectories on any floor, from another formulation: Newton and Euler with a multiplier, in 33 and 42 digits, made by
-//! `reference/trajectories.py` and kept in `data/`.
+//! `generators/trajectories.py` and kept in `data/`.
 //!
 //! Errors are the largest over the ticks of 7 Hz of 10 s. Each file carries the largest difference of any number between
 //! two computations of different order, step and precision; what is written is rounded to f64.
