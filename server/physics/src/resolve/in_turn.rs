@@ -25,11 +25,7 @@ pub fn resolve_in_turn(
     backward.clear();
     backward.extend(members.iter().map(|m| m.velocity));
     restore(members, totals, start);
-<<<<<<< HEAD
-    let fastest = start.iter().map(nalgebra::Matrix::norm_squared).fold(0.0, f64::max);
-=======
     let fastest = start.iter().map(nalgebra::Vector3::norm_squared).fold(0.0, f64::max);
->>>>>>> main
     let alike = take_turns(members, contacts, satisfied, totals, false)
         && members
             .iter()
