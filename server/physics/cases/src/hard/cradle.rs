@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 
 /// `count` touching balls, `swung` of them a metre to the left with speed 2.
 fn cradle(count: usize, swung: usize, motion: MotionLaw) -> Scene {
-    let mut scene = graph(128.0, &[], motion);
+    let mut scene = graph(512.0, &[], motion);
     for n in 0..count {
         let place = n as f64 - if n < swung { 1.0 } else { 0.0 };
         let speed = if n < swung { 2.0 } else { 0.0 };
@@ -72,6 +72,30 @@ fn with_gaps(starts: &[(f64, f64)], seconds: u64) -> Result<[f64; 1], SceneFault
     run(&scene, 60, 60 * seconds, |tick, engine| {
         let exact = rods(starts, radius, [-16.0, 16.0], tick as f64 / 60.0);
         for (ball, x) in engine.balls().iter().zip(exact) {
+            largest.see_center(ball, Vector3::new(x, 0.0, radius));
+        }
+    })?;
+    Ok([largest.value()])
+}
+
+/// A train of `first` touching balls at 2 m/s meets one of `second` at -1 m/s, and both meet walls: rods on a line.
+/// Largest error of a centre over 20 s.
+fn trains(first: usize, second: usize) -> Result<[f64; 1], SceneFault> {
+    let radius = 0.25;
+    let mut starts = vec![];
+    for n in 0..first {
+        starts.push((-6.0 + 0.5 * n as f64, 2.0));
+    }
+    for n in 0..second {
+        starts.push((4.0 + 0.5 * n as f64, -1.0));
+    }
+    let mut scene = plane(16.0);
+    let ball =
+        |(n, (x, v)): (usize, &(f64, f64))| moving(&format!("{n:03}"), radius, center(*x, 0.0), *v, 0.0);
+    scene.balls = starts.iter().enumerate().map(ball).collect();
+    let mut largest = Largest::default();
+    run(&scene, 60, 1200, |tick, engine| {
+        for (ball, x) in engine.balls().iter().zip(rods(&starts, radius, [-16.0, 16.0], tick as f64 / 60.0)) {
             largest.see_center(ball, Vector3::new(x, 0.0, radius));
         }
     })?;
@@ -161,6 +185,22 @@ pub fn cases() -> Vec<Case> {
             "a hundred balls with gaps between walls, unfolded",
             [centres(20.0)],
             move || with_gaps(&hundred(unlike), 20),
+        ));
+    }
+    for (first, second) in [(5, 0), (5, 3), (8, 8), (20, 1)] {
+        cases.push(Case::new(
+            format!("X19/trains-{first}-{second}"),
+            format!("a train of {first} touching balls meets one of {second}, and walls"),
+            [centres(20.0)],
+            move || trains(first, second),
+        ));
+    }
+    for swung in [1, 150] {
+        cases.push(Case::new(
+            format!("X20/{swung}-of-300"),
+            format!("{swung} into a row of three hundred"),
+            [centres(3.0)],
+            move || as_many_leave(300, swung, MotionLaw::Rolling),
         ));
     }
     for (e, count) in [(0.9, 8), (0.5, 5), (0.1, 3), (0.0, 2)] {

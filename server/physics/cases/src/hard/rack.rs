@@ -6,7 +6,7 @@ use crate::mirror::{differing_states, mirrored_state};
 use crate::ride::{Drift, Largest, run};
 use crate::scenes::{center, cloud, graph, in_list_order, moving, original, plane, still};
 use ballroom_physics::{MotionLaw, Place, Scene, SceneFault};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Rotation3, Vector2, Vector3};
 use std::f64::consts::TAU;
 
 /// B19: a ball onto two touching ones comes back with a fifth of its speed, and they leave at 30 degrees with
@@ -60,6 +60,27 @@ fn meet_in_a_ring(count: usize) -> Result<[f64; 1], SceneFault> {
         }
     })?;
     Ok([largest.value()])
+}
+
+/// `count` balls released at rest on a ring in a bowl, which reach each other in the middle again and again, each time at
+/// one instant but for what integration leaves of it: by symmetry each goes back the way it came. Largest distance of a
+/// ball from the first one turned about the axis, m, and relative error of the energy over 5 s.
+fn meet_in_a_bowl(count: usize) -> Result<[f64; 3], SceneFault> {
+    let mut scene = graph(4.0, &[(2, 0, 0.25), (0, 2, 0.25)], MotionLaw::Rolling);
+    let turn = |n: usize| Rotation3::from_axis_angle(&Vector3::z_axis(), TAU * n as f64 / count as f64);
+    for n in 0..count {
+        let place = turn(n) * Vector3::new(1.6, 0.45, 0.0);
+        scene.balls.push(still(&format!("{n}"), 0.25, Place::Contact(place.xy())));
+    }
+    let (mut symmetry, mut energy) = (Largest::default(), Drift::default());
+    let engine = run(&scene, 60, 300, |_, engine| {
+        energy.see(engine.energy());
+        for (n, ball) in engine.balls().iter().enumerate() {
+            symmetry.see_center(ball, turn(n) * engine.balls()[0].center);
+        }
+    })?;
+    let few = 3_u64.saturating_sub(engine.report().clusters);
+    Ok([symmetry.value(), energy.value(), few as f64])
 }
 
 /// Two balls that reach one at rest from both sides at one instant go back; it stays. Largest error of a speed at the end.
@@ -182,6 +203,19 @@ pub fn cases() -> Vec<Case> {
             move || meet_in_a_ring(count),
         ));
     }
+    for count in [3, 4, 5] {
+        let span = Span::Seconds(5.0);
+        cases.push(Case::new(
+            format!("X22/bowl-{count}"),
+            format!("{count} balls meet in the middle of a bowl at one instant, at least three times"),
+            [
+                Demand::over_ticks("symmetry of centres", "m", span, 1e-10),
+                Demand::relative("energy", span, 1e-12),
+                Demand::never("meetings too few", span),
+            ],
+            move || meet_in_a_bowl(count),
+        ));
+    }
     let span = Span::Seconds(2.0);
     cases.push(Case::new(
         "H4/axis",
@@ -205,7 +239,7 @@ pub fn cases() -> Vec<Case> {
             Ok([differing_states(&scene(), 60, 60 * seconds)? as f64])
         }));
     }
-    for (rings, count) in [(2, 19), (5, 91)] {
+    for (rings, count) in [(2, 19), (5, 91), (10, 331)] {
         let kept = |quantity| Demand::relative(quantity, Span::Seconds(4.0), 1e-12);
         cases.push(Case::new(
             format!("X2/hexagon-{count}"),
