@@ -29,25 +29,26 @@ pub fn allowed_error(tolerance: f64, h: f64) -> f64 {
     ERROR_PER_SECOND * tolerance * h
 }
 
-/// Error that the orientation may have after `h` seconds when `tolerance` metres are wanted, rad: a point on the ball's
-/// surface keeps to the tolerance as the centre does.
-pub fn allowed_turn_error(accuracy: Accuracy, h: f64, radius: f64) -> f64 {
-    let wanted = match accuracy {
-        Accuracy::Tolerance(tolerance) => tolerance,
-        Accuracy::Fixed(..) => FIXED_TURN_TOLERANCE,
-    };
-    allowed_error(wanted, h) / radius
+/// Rotation that one arc's turn may leave out over the position error that is wanted, rad/m. Arcs are up to a hundred a
+/// second, so that 10 s of them stay a decade below what a radius of 0.1 m would show; each decade costs a term.
+pub const TURN_SHARE: f64 = 1e-2;
+/// Least rotation worth keeping, rad: rounding. Also for schemes of fixed step, whose own order shall show.
+pub const TURN_LEAST: f64 = 1e-15;
+
+/// Rotation that a turn may leave out in a scene, rad.
+pub fn turn_left_out(accuracy: Accuracy) -> f64 {
+    match accuracy {
+        Accuracy::Tolerance(tolerance) => (TURN_SHARE * tolerance).max(TURN_LEAST),
+        Accuracy::Fixed(..) => TURN_LEAST,
+    }
 }
 
-/// Position tolerance, m, whose turns schemes of fixed step get: better than they are.
-pub const FIXED_TURN_TOLERANCE: f64 = 1e-12;
-/// Bound of what a piece of a turn leaves out, over the size of the terms it is made of. Measured on turns of every size
-/// by the test `the_error_of_a_turn_is_the_one_allowed`.
-pub const TURN_REMAINDER: f64 = 1.0;
-/// Weight of one bracket more: Bernoulli numbers over factorials fall by about 2 pi.
-pub const TURN_BRACKET: f64 = 1.0 / 6.0;
+/// Angle of one piece of a turn, rad. More takes many terms, less takes many pieces; the minimum is flat.
+pub const TURN_PIECE: f64 = 1.0;
+/// Terms of one piece: the last of a turn of degree 7 may be 7 rad long, and (7/2)^32/32! is below 1e-17.
+pub const TURN_TERMS_MAX: usize = 33;
 /// Most pieces of one turn: a ball that spins at 2000 rad/s for a second.
-pub const TURN_PIECES_MAX: u32 = 4096;
+pub const TURN_PIECES_MAX: f64 = 4096.0;
 /// Longest parabola of a rolling ball under force, s: its orientation is followed from the start.
 pub const TURN_MAX: f64 = 64.0 * QUANTUM;
 
@@ -106,6 +107,12 @@ pub const CLUSTER_SATISFIED: f64 = 1e-14;
 
 /// Sure advances towards a hit before it is isolated instead: five reach the last bit unless the balls graze.
 pub const ADVANCES_MAX: u32 = 8;
+/// Hits of one elastic impact resolved in turn before it counts as depending on their order: a row of 64 equal balls
+/// that all reverse needs 2016.
+pub const IN_TURN_HITS_MAX: usize = 2048;
+/// Difference of two outcomes that is rounding, relative to the fastest ball. Orders that matter differ by parts of 1.
+pub const SAME_OUTCOME: f64 = 1e-12;
+
 /// Halvings of an interval before a root is taken as a touch without crossing.
 pub const ROOT_DEPTH_MAX: u32 = 48;
 /// Intervals looked at for one root. A graze to the last bit needs some hundred; noise would need any number.

@@ -134,7 +134,7 @@ impl Body {
             let mut turn = [V3::zeros(); TERMS];
             turn[1] = angular_velocity(&n, &arc.center[1], arc.state[5], self.radius);
             turn[2] = n.cross(&acceleration) * (0.5 / self.radius);
-            arc.turning.begin(turn, tolerance::allowed_turn_error(accuracy, 1.0, self.radius));
+            arc.turning.begin(turn, tolerance::turn_left_out(accuracy));
             // Orientation under force is a quadrature from the start of the arc; keep it short.
             if arc.acceleration_bound > 0.0 {
                 arc.length = tolerance::TURN_MAX;
@@ -155,7 +155,7 @@ impl Body {
         arc.center[0] = center;
         let mut turn = [V3::zeros(); TERMS];
         turn[1] = angular_velocity(&n, &V3::zeros(), state[5], self.radius);
-        arc.turning.begin(turn, f64::INFINITY);
+        arc.turning.begin(turn, tolerance::TURN_LEAST);
         arc.acceleration_bound = 0.0;
     }
 }
