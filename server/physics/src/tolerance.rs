@@ -55,6 +55,9 @@ pub const TURN_MAX: f64 = 64.0 * QUANTUM;
 /// Centre travel in one detection window, in radii. More makes windows rarer and neighbours more; 2 is near
 /// the minimum for a gas that covers a fifth of the floor, and the minimum is flat.
 pub const WINDOW_TRAVEL: f64 = 2.0;
+/// The same over the floor's longer side, where that is more: a grain of dust would open a window every micrometre.
+/// More lets a crowd on a vast floor look at many neighbours, less makes dust slow.
+pub const WINDOW_FLOOR_SHARE: f64 = 1.0 / 65_536.0;
 /// Longest window, s.
 pub const WINDOW_MAX: f64 = 1.0;
 /// Shortest window, s: 2^-40.
@@ -77,6 +80,12 @@ pub const CLOSING_NOISE: f64 = 4e-15;
 /// The same for bodies that have just come to rest beside faster ones, m/s: an impact of a metre a second
 /// leaves as much. Overlap grows by it no faster than 4e-11 m an hour.
 pub const CLOSING_NOISE_SPEED: f64 = 1e-14;
+
+/// Finest and coarsest cell of the search for neighbours, over the reach of a ball's bounds: with finer ones a search
+/// visits more than some twenty cells, with coarser ones it meets balls that are far.
+pub const GRID_CELL_RADII: [f64; 2] = [0.75, 2.5];
+/// Most cells a ball, rounded up to a power of two. Fewer let cells far apart share a list, more cost memory.
+pub const GRID_CELLS_PER_BALL: usize = 2;
 
 /// Gap below which balls count as touching when one of them is hit, in ulps of the larger coordinate.
 pub const TOUCH_ULPS: f64 = 4.0;

@@ -50,8 +50,10 @@ impl Controller {
             arc.state = state;
             balls.push(ball);
         }
+        let bounds = extent(&patch);
         let mut controller = Self {
-            broad_phase: BroadPhase::new(&radii, extent(&patch)),
+            broad_phase: BroadPhase::new(&radii, bounds),
+            span: (bounds[2] - bounds[0]).max(bounds[3] - bounds[1]),
             queue: Queue::new(order.len()),
             states: vec![super::BallState::default(); order.len()],
             surface,

@@ -86,6 +86,8 @@ pub struct Controller {
     patch: BezierPatch,
     certificate: Certificate,
     walls: Vec<Plane>,
+    /// The longer side of the floor, m.
+    span: f64,
     gravity: Vector3<f64>,
     restitution: f64,
     accuracy: Accuracy,

@@ -3,10 +3,10 @@
 use super::Controller;
 use crate::detect::ball_ball::{self, Standing, surely_apart};
 use crate::detect::ball_wall;
-use crate::detect::broad_phase::swept_bounds;
+use crate::detect::broad_phase::{swept_bounds, travel};
 use crate::schedule::event::{Next, What};
 use crate::schedule::time::{QUANTUM, Time};
-use crate::tolerance::{WINDOW_MAX, WINDOW_MIN, WINDOW_TRAVEL};
+use crate::tolerance::{WINDOW_MAX, WINDOW_MIN};
 
 impl Controller {
     /// Opens a window for `ball` from now on and finds what comes first in it.
@@ -63,13 +63,13 @@ impl Controller {
     }
 
     /// A window ends with the arc, before the ball has travelled far, and for a driven ball with the quantum.
-    /// Its length is a power of two of seconds and depends on the ball alone: a ball that nobody meets cannot
-    /// change another's.
+    /// Its length is a power of two of seconds and depends on the ball and the floor alone: a ball that nobody meets
+    /// cannot change another's.
     fn open_window(&mut self, ball: usize, from: Time) {
         let driven = self.balls[ball].drive.is_some();
         let arc = &mut self.arcs[ball];
         let speed = arc.velocity_at(from.since(arc.start)).norm();
-        let travel = WINDOW_TRAVEL * arc.radius;
+        let travel = travel(arc.radius, self.span);
         let mut length = WINDOW_MAX;
         while length > WINDOW_MIN && length * (speed + 0.5 * arc.acceleration_bound * length) > travel {
             length *= 0.5;

@@ -25,7 +25,7 @@ pub fn resolve_in_turn(
     backward.clear();
     backward.extend(members.iter().map(|m| m.velocity));
     restore(members, totals, start);
-    let fastest = start.iter().map(|v| v.norm_squared()).fold(0.0, f64::max);
+    let fastest = start.iter().map(nalgebra::Vector3::norm_squared).fold(0.0, f64::max);
     let alike = take_turns(members, contacts, satisfied, totals, false)
         && members
             .iter()
