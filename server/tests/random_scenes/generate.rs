@@ -72,7 +72,7 @@ fn accuracy(random: &mut Random) -> Accuracy {
         0 => Accuracy::Fixed { integrator: Integrator::Rk4, step_s: 1.0 / 240.0 },
         1 => Accuracy::Fixed { integrator: Integrator::Tsit5, step_s: 1.0 / 120.0 },
         2 => Accuracy::Fixed { integrator: Integrator::Dop853, step_s: 1.0 / 50.0 },
-        _ => Accuracy::Tolerance { tolerance_m: 10_f64.powi(-8 - random.below(4) as i32) },
+        _ => Accuracy::Tolerance { tolerance_m: [1e-8, 1e-9, 1e-10, 1e-11][random.below(4)] },
     }
 }
 
@@ -250,7 +250,7 @@ fn script(random: &mut Random, balls: usize) -> Vec<Act> {
         };
         Act { beat: random.below(BEATS as usize) as u64, ball: random.below(balls), deed }
     };
-    let mut script: Vec<Act> = (0..1 + random.below(6)).map(|_| act(random)).collect();
+    let mut script: Vec<Act> = (0..=random.below(6)).map(|_| act(random)).collect();
     script.sort_by_key(|act| act.beat);
     script
 }

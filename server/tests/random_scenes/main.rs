@@ -138,8 +138,11 @@ fn hold(seed: u64, case: &Case) -> Result<Outcome, String> {
 /// The scene as `simulate` takes it, with what happened and what players do as comments.
 fn write_out(seed: u64, case: &Case, failure: &str) -> PathBuf {
     let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("random-{seed}.toml"));
-    let mut text: String = failure.lines().map(|line| format!("# {line}\n")).collect();
-    text.extend(case.script.iter().map(|act| format!("# {act}\n")));
+    let mut text = String::new();
+    let script = case.script.iter().map(ToString::to_string);
+    for line in failure.lines().map(str::to_owned).chain(script) {
+        text.extend(["# ", &line, "\n"]);
+    }
     text.push_str(&toml::to_string(&case.scene).unwrap_or_default());
     std::fs::write(&file, text).expect("the test's own directory takes a file");
     file

@@ -200,7 +200,7 @@ impl<'a> Laws<'a> {
         Ok(())
     }
 
-    /// On a level floor each hit of impulse J takes (1-e)/(1+e) J^2 (c^2/M_i + c^2/M_j)/2, c the cosine of the line of
+    /// On a level floor each hit of impulse J takes `(1-e)/(1+e) J^2 (c^2/M_i + c^2/M_j)/2`, c the cosine of the line of
     /// centres with the floor. Several contacts at once are left to [`Self::hold_energy`].
     fn hold_losses(
         &self,
