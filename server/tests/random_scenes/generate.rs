@@ -8,9 +8,9 @@ use protocol::scene::{
 };
 
 /// Length of a run, in beats of 1/30 s.
-pub const BEATS: u64 = 75;
+pub const BEATS: u64 = 60;
 /// Hits a ball may have within 1/64 s. Piles under low restitution reach it; honest scenes stay far below.
-const HIT_BUDGET: u32 = 10_000;
+const HIT_BUDGET: u32 = 1_000;
 /// Part of the floor that balls may cover.
 const COVERED: f64 = 0.2;
 
@@ -40,7 +40,7 @@ pub fn case(seed: u64) -> Case {
         restitution: restitution(random),
         hit_budget: HIT_BUDGET,
         accuracy: accuracy(random),
-        walls: walls(random, &floor, middle, half, [x_m, y_m]),
+        walls: walls(random, middle, half, [x_m, y_m]),
         floor,
         steering: Steering::default(),
         balls,
@@ -72,13 +72,13 @@ fn accuracy(random: &mut Random) -> Accuracy {
         0 => Accuracy::Fixed { integrator: Integrator::Rk4, step_s: 1.0 / 240.0 },
         1 => Accuracy::Fixed { integrator: Integrator::Tsit5, step_s: 1.0 / 120.0 },
         2 => Accuracy::Fixed { integrator: Integrator::Dop853, step_s: 1.0 / 50.0 },
-        _ => Accuracy::Tolerance { tolerance_m: 10_f64.powi(-8 - random.below(4) as i32) },
+        _ => Accuracy::Tolerance { tolerance_m: [1e-8, 1e-9, 1e-10, 1e-11][random.below(4)] },
     }
 }
 
 fn floor(random: &mut Random, x_m: [f64; 2], y_m: [f64; 2], dyadic: bool) -> Floor {
     let half = (x_m[1] - x_m[0]) / 2.0;
-    // A floor of slope up to about 1: steep, and still flat enough for the balls in most scenes.
+    // Slopes up to about 1: steep, and still flat enough for the balls in most scenes.
     let rise = half * random.unit() * random.unit() * 0.5;
     let kind = if dyadic && random.chance(0.7) { 0 } else { random.below(6) };
     let curve = |random: &mut Random| rise / (half * half) * random.between(0.3, 1.0);
@@ -127,13 +127,7 @@ fn net(random: &mut Random, [x_m, y_m]: [[f64; 2]; 2], rise: f64, kind: usize) -
 }
 
 /// The borders' own box; sometimes said in full, with up to four slanting walls that cut corners off.
-fn walls(
-    random: &mut Random,
-    _floor: &Floor,
-    middle: [f64; 2],
-    half: f64,
-    [x_m, y_m]: [[f64; 2]; 2],
-) -> Walls {
+fn walls(random: &mut Random, middle: [f64; 2], half: f64, [x_m, y_m]: [[f64; 2]; 2]) -> Walls {
     if random.chance(0.5) {
         return Walls::default();
     }
@@ -256,7 +250,7 @@ fn script(random: &mut Random, balls: usize) -> Vec<Act> {
         };
         Act { beat: random.below(BEATS as usize) as u64, ball: random.below(balls), deed }
     };
-    let mut script: Vec<Act> = (0..1 + random.below(6)).map(|_| act(random)).collect();
+    let mut script: Vec<Act> = (0..=random.below(6)).map(|_| act(random)).collect();
     script.sort_by_key(|act| act.beat);
     script
 }

@@ -28,6 +28,8 @@ pub struct Run {
     pub last: Vec<BallState>,
     /// How many hits there were.
     pub hits: u64,
+    /// Whether hits piled up, so that balls were held or hopped.
+    pub piled: bool,
 }
 
 /// Runs the scene at 60 Hz and holds it to the laws.
@@ -62,8 +64,9 @@ pub fn hold(loaded: &LoadedScene, start: &Controller, script: &[Act]) -> Result<
             .map_err(|fault| format!("{fault}, in beat {beat}"))?;
         was = now;
     }
-    let collisions = engine.report().collisions;
-    Ok(Run { hashes, last: engine.balls().to_vec(), hits: collisions.ball_ball + collisions.ball_wall })
+    let (report, last) = (engine.report(), engine.balls().to_vec());
+    let hits = report.collisions.ball_ball + report.collisions.ball_wall;
+    Ok(Run { hashes, last, hits, piled: report.fallbacks > 0 })
 }
 
 /// What is conserved.
@@ -197,7 +200,7 @@ impl<'a> Laws<'a> {
         Ok(())
     }
 
-    /// On a level floor each hit of impulse J takes (1-e)/(1+e) J^2 (c^2/M_i + c^2/M_j)/2, c the cosine of the line of
+    /// On a level floor each hit of impulse J takes `(1-e)/(1+e) J^2 (c^2/M_i + c^2/M_j)/2`, c the cosine of the line of
     /// centres with the floor. Several contacts at once are left to [`Self::hold_energy`].
     fn hold_losses(
         &self,

@@ -69,13 +69,15 @@ pub fn hold_when_permuted(seed: u64, loaded: &LoadedScene, script: &[Act], run: 
 
 /// The scene as a net and its mirror image across x = 0 run as mirror images. The mirror negates coordinates and keeps
 /// parameters.
-pub fn hold_in_a_mirror(loaded: &LoadedScene, script: &[Act]) -> Result<(), String> {
+pub fn hold_in_a_mirror(loaded: &LoadedScene, start: &Controller, script: &[Act]) -> Result<(), String> {
     let mut scene = loaded.physics().clone();
+    let mut engine = start.clone();
     if let Floor::Polynomial { x, y, terms } = &scene.floor {
         scene.floor = Floor::Bezier(BezierPatch::from_polynomial(*x, *y, terms).ok_or("no net")?);
+        // What a net rounds may lie outside by an ulp.
+        let Ok(net) = Controller::new(&scene) else { return Ok(()) };
+        engine = net;
     }
-    // What a net rounds may lie outside by an ulp.
-    let Ok(mut engine) = Controller::new(&scene) else { return Ok(()) };
     let mut image = Controller::new(&mirrored(&scene)).map_err(|e| format!("its mirror image: {e}"))?;
     let reflected: Vec<Act> = script.iter().map(|act| act.mirrored()).collect();
     for beat in 0..BEATS {

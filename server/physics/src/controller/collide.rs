@@ -189,14 +189,16 @@ impl Controller {
         let slow = cluster.contacts[0].closing(&cluster.members) <= REST_SPEED;
         if slow {
             self.report.rest_hits += 1;
-            // A slow hit does not move a ball that is held.
+        }
+        self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });
+        if slow {
+            // A slow hit does not move a ball that is held, be it hit itself or a neighbour.
             for (landed, member) in cluster.landed.iter().zip(&mut cluster.members) {
                 if self.arcs[landed.ball].path == Path::Held {
                     member.inverse_mass = 0.0;
                 }
             }
         }
-        self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });
         cluster.before.clear();
         cluster.before.extend(cluster.members.iter().map(|m| m.velocity));
         let elastic = if slow { 0.0 } else { self.restitution };
