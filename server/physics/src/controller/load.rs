@@ -13,7 +13,7 @@ use crate::scene::{Accuracy, BallSpec, Floor, MotionLaw, Scene, SceneFault};
 use crate::schedule::queue::Queue;
 use crate::schedule::time::Time;
 use crate::surface::bezier::BezierPatch;
-use crate::surface::certify::{Certificate, certify};
+use crate::surface::certify::{Certificate, Irregular, certify};
 use crate::surface::chart::Surface;
 use crate::surface::place;
 use crate::tolerance::{self, CURVATURE_MAX, HITS_KEPT, OVERLAP_ULPS};
@@ -191,8 +191,8 @@ pub(crate) fn net_of(floor: &Floor) -> Result<BezierPatch, SceneFault> {
 }
 
 fn check_floor(scene: &Scene, patch: &BezierPatch, certificate: &Certificate) -> Result<(), SceneFault> {
-    if let Err([u, v]) = certificate.regular {
-        return Err(SceneFault::Degenerate { u, v });
+    if let Err(Irregular { kind, at }) = certificate.regular {
+        return Err(SceneFault::Degenerate { kind, at });
     }
     // A height field's balls lie on its upper side, which must be the one that gravity presses them to.
     let jet = patch.jet(0.5, 0.5);
@@ -208,8 +208,12 @@ fn check_floor(scene: &Scene, patch: &BezierPatch, certificate: &Certificate) ->
     if let Some((ball, spec)) = largest {
         let [lo, hi] = certificate.curvature.map(|k| k * spec.radius);
         if hi >= CURVATURE_MAX {
-            let [u, v] = certificate.curvature_at;
-            return Err(SceneFault::TooCurved { ball, lo, hi, u, v });
+            return Err(SceneFault::TooCurved { ball, lo, hi, at: certificate.curvature_at });
+        }
+        let [lo, hi] = certificate.reach;
+        if spec.radius >= CURVATURE_MAX * lo {
+            let [contact, touch] = certificate.reach_at;
+            return Err(SceneFault::SecondTouch { ball, radius: spec.radius, lo, hi, contact, touch });
         }
     }
     // A border whose control points all lie on or behind one wall lies there whole: convex hull.

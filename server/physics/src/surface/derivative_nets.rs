@@ -1,6 +1,6 @@
-//! The nets of S's derivatives on boxes of the parameter square, and what they enclose.
+//! The nets of S and its derivatives on boxes of the parameter square, and what they enclose.
 
-use super::affine::Affine;
+use super::affine::{Affine, cross};
 use super::bezier::{BezierPatch, MAX_DEGREE, Parameter};
 
 /// Something for every derivative of S to second order, by component.
@@ -37,8 +37,7 @@ impl<T> Derivatives<T> {
 impl Derivatives<Affine> {
     /// `S_u x S_v`.
     pub fn cross(&self) -> [Affine; 3] {
-        let (a, b) = (&self.u, &self.v);
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        cross(&self.u, &self.v)
     }
 }
 
@@ -79,22 +78,33 @@ impl Derivatives<ScalarNet> {
     }
 }
 
-/// The box `index / 2^halvings .. (index + 1) / 2^halvings` in u and v.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Parts of a unit of u or v that a box can be as small as: 2^-26 is where second derivatives are rounding, and what is
+/// undecided there is degenerate.
+const PARTS: u32 = 1 << 26;
+
+/// The box from `low` to `high` in u and v, in units of 2^-26; a line or a point where they are equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Rectangle {
-    /// Which.
-    pub index: [u32; 2],
-    /// How small.
-    pub halvings: [u32; 2],
+    /// Smallest u and v.
+    pub low: [u32; 2],
+    /// Largest u and v.
+    pub high: [u32; 2],
 }
 
 impl Rectangle {
     /// The whole parameter square.
-    pub const WHOLE: Self = Self { index: [0; 2], halvings: [0; 2] };
+    pub const WHOLE: Self = Self { low: [0; 2], high: [PARTS; 2] };
+
+    /// The borders u = 0, u = 1, v = 0 and v = 1.
+    pub const BORDERS: [Self; 4] = [
+        Self { low: [0; 2], high: [0, PARTS] },
+        Self { low: [PARTS, 0], high: [PARTS; 2] },
+        Self { low: [0; 2], high: [PARTS, 0] },
+        Self { low: [0, PARTS], high: [PARTS; 2] },
+    ];
 
     fn range(&self, direction: usize) -> [f64; 2] {
-        let width = 1.0 / f64::from(1_u32 << self.halvings[direction]);
-        [f64::from(self.index[direction]) * width, f64::from(self.index[direction] + 1) * width]
+        [self.low, self.high].map(|end| f64::from(end[direction]) / f64::from(PARTS))
     }
 
     /// Its middle.
@@ -110,15 +120,55 @@ impl Rectangle {
         [0, 1].map(|direction| self.range(direction)[usize::from(signs[direction] > 0.0)])
     }
 
-    fn half(mut self, direction: usize, upper: u32) -> Self {
-        self.index[direction] = 2 * self.index[direction] + upper;
-        self.halvings[direction] += 1;
-        self
+    /// That corner as a box of its own.
+    pub fn corner_box(&self, signs: [f64; 2]) -> Self {
+        let end = [0, 1].map(|d| if signs[d] > 0.0 { self.high[d] } else { self.low[d] });
+        Self { low: end, high: end }
+    }
+
+    /// Its two halves, unless it is too small to be cut.
+    pub fn halves(&self, direction: usize) -> Option<[Self; 2]> {
+        let middle = self.low[direction].midpoint(self.high[direction]);
+        if middle == self.low[direction] {
+            return None;
+        }
+        let [mut lower, mut upper] = [*self; 2];
+        lower.high[direction] = middle;
+        upper.low[direction] = middle;
+        Some([lower, upper])
+    }
+
+    /// The smallest box around both.
+    pub fn hull(&self, other: &Self) -> Self {
+        Self {
+            low: [0, 1].map(|d| self.low[d].min(other.low[d])),
+            high: [0, 1].map(|d| self.high[d].max(other.high[d])),
+        }
+    }
+
+    /// Whether both are so close that a box of twice the size holds them.
+    pub fn is_near(&self, other: &Self) -> bool {
+        let hull = self.hull(other);
+        let width = |r: &Self, d: usize| r.high[d] - r.low[d];
+        (0..2).all(|d| width(&hull, d) <= 2 * width(self, d).max(width(other, d)))
+    }
+
+    /// A place of this box, given by (s, t) in [-1, 1]^2, in the (s, t) of a box around it: `[middle, half width]` in
+    /// each direction.
+    pub fn within(&self, hull: &Self) -> [[f64; 2]; 2] {
+        [0, 1].map(|d| {
+            let sum = |r: &Self| f64::from(r.low[d]) + f64::from(r.high[d]);
+            let width = |r: &Self| f64::from(r.high[d] - r.low[d]);
+            let whole = width(hull).max(1.0);
+            [(sum(self) - sum(hull)) / whole, width(self) / whole]
+        })
     }
 }
 
-/// The derivative nets of a patch.
+/// The nets of a patch and of its derivatives.
 pub(super) struct DerivativeNets {
+    /// S - S(0, 0).
+    point: [ScalarNet; 3],
     nets: Derivatives<ScalarNet>,
     /// Largest absolute coefficient of each derivative, to compare variations by.
     sizes: [f64; 5],
@@ -129,11 +179,19 @@ impl DerivativeNets {
     pub fn new(patch: &BezierPatch) -> Self {
         let nets = Derivatives::new(patch);
         let sizes = nets.vectors().map(|vector| vector.iter().map(ScalarNet::size).fold(0.0, f64::max));
-        Self { nets, sizes }
+        // Far from the origin differences of places would drown in rounding.
+        let origin = patch.point(0, 0);
+        let point = std::array::from_fn(|k| {
+            let coefficients = patch.net().iter().map(|p| p[k] - origin[k]).collect();
+            let slack = patch.net().iter().map(|p| p[k].abs()).fold(0.0, f64::max);
+            ScalarNet { degree: patch.degree(), coefficients, slack }.settled(1.0)
+        });
+        Self { point, nets, sizes }
     }
 
-    /// The two halves of a box, cut across the parameter along which the derivatives change more.
-    pub fn halves(&self, place: &Rectangle) -> [(Rectangle, Derivatives<ScalarNet>); 2] {
+    /// The two halves of a box, cut across the parameter along which the derivatives change more; None if it is too
+    /// small to be cut.
+    pub fn halves(&self, place: &Rectangle) -> Option<[(Rectangle, Derivatives<ScalarNet>); 2]> {
         let nets = self.nets.map(|net| net.restricted(place));
         let mut variation = [0.0_f64; 2];
         for (vector, size) in nets.vectors().into_iter().zip(self.sizes) {
@@ -143,7 +201,14 @@ impl DerivativeNets {
             }
         }
         let direction = usize::from(variation[1] > variation[0]);
-        [0, 1].map(|upper| (place.half(direction, upper), nets.map(|net| net.half(direction, upper == 1))))
+        let [lower, upper] = place.halves(direction)?;
+        Some([(lower, nets.map(|net| net.half(direction, false))), (upper, nets.map(|net| net.half(direction, true)))])
+    }
+
+    /// Enclosures of S - S(0, 0) and of its derivatives over a box.
+    pub fn enclosures(&self, place: &Rectangle) -> ([Affine; 3], Derivatives<Affine>) {
+        let enclosure = |net: &ScalarNet| net.restricted(place).enclosure();
+        (self.point.each_ref().map(enclosure), self.nets.map(enclosure))
     }
 }
 
