@@ -173,7 +173,9 @@ pub enum SceneFault {
         at: FloorPlace,
     },
     /// The floor is too tightly curved for a ball.
-    #[error("the floor's curvature times radius reaches {lo} to {hi} at {at} for ball {ball}: it must stay below 1")]
+    #[error(
+        "the floor's curvature times radius reaches {lo} to {hi} at {at} for ball {ball}: it must stay below 1"
+    )]
     TooCurved {
         /// Place in the list.
         ball: usize,

@@ -146,11 +146,22 @@ impl Rectangle {
         }
     }
 
+    /// A box around this one, at most a quarter larger each way, of which there are few, so that many share one.
+    pub fn rounded(&self) -> Self {
+        let mut round = *self;
+        for d in 0..2 {
+            let unit = ((self.high[d] - self.low[d]).next_power_of_two() / 8).max(1);
+            round.low[d] -= self.low[d] % unit;
+            round.high[d] = self.high[d].next_multiple_of(unit);
+        }
+        round
+    }
+
     /// Whether both are so close that a box of twice the size holds them.
     pub fn is_near(&self, other: &Self) -> bool {
         let hull = self.hull(other);
         let width = |r: &Self, d: usize| r.high[d] - r.low[d];
-        (0..2).all(|d| width(&hull, d) <= 2 * width(self, d).max(width(other, d)))
+        (0..2).all(|d| width(&hull, d) <= 8 * width(self, d).max(width(other, d)))
     }
 
     /// A place of this box, given by (s, t) in [-1, 1]^2, in the (s, t) of a box around it: `[middle, half width]` in
@@ -202,7 +213,10 @@ impl DerivativeNets {
         }
         let direction = usize::from(variation[1] > variation[0]);
         let [lower, upper] = place.halves(direction)?;
-        Some([(lower, nets.map(|net| net.half(direction, false))), (upper, nets.map(|net| net.half(direction, true)))])
+        Some([
+            (lower, nets.map(|net| net.half(direction, false))),
+            (upper, nets.map(|net| net.half(direction, true))),
+        ])
     }
 
     /// Enclosures of S - S(0, 0) and of its derivatives over a box.
@@ -246,21 +260,29 @@ impl ScalarNet {
     }
 
     /// Turns `slack`, so far the size of S's own coefficients, into the bound on the error. What is constant within it
-    /// becomes a number: on a height field only z is then left to subdivide.
+    /// along a parameter loses that parameter: on a height field little but z is then left to subdivide.
     fn settled(mut self, factor: f64) -> Self {
         self.slack = DIFFERENCE_ROUNDING * factor * self.slack + RESTRICTION_ROUNDING * self.size();
-        let [low, high] = self.extremes();
-        if high - low <= self.slack {
-            self.slack += 0.5 * (high - low);
-            self.coefficients = vec![0.5 * (low + high)];
-            self.degree = [0, 0];
+        for direction in [0, 1] {
+            let [p, q] = self.degree;
+            let (n, stride, lines, line_stride) =
+                if direction == 0 { (p, q + 1, q + 1, 1) } else { (q, 1, p + 1, q + 1) };
+            let line = |k: usize| (0..=n).map(move |i| k * line_stride + i * stride);
+            let bounds: Vec<[f64; 2]> = (0..lines)
+                .map(|k| {
+                    line(k)
+                        .map(|at| self.coefficients[at])
+                        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], c| [low.min(c), high.max(c)])
+                })
+                .collect();
+            let widest = bounds.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
+            if widest <= self.slack {
+                self.slack += 0.5 * widest;
+                self.coefficients = bounds.iter().map(|[low, high]| 0.5 * (low + high)).collect();
+                self.degree[direction] = 0;
+            }
         }
         self
-    }
-
-    fn extremes(&self) -> [f64; 2] {
-        let start = [f64::INFINITY, f64::NEG_INFINITY];
-        self.coefficients.iter().fold(start, |[low, high], c| [low.min(*c), high.max(*c)])
     }
 
     fn size(&self) -> f64 {

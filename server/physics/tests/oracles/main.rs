@@ -1,6 +1,7 @@
 //! The engine against what is known exactly. Errors are the largest over all tick states.
 
 mod allocation;
+mod certified_floors;
 mod closed_forms;
 mod hard_cases;
 mod known_faults;

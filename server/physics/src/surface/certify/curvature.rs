@@ -43,7 +43,10 @@ pub fn largest_curvature(nets: &DerivativeNets, side: f64, flat: f64) -> Maximum
             let normal = n.map(|component| component.scaled(side));
             ShapeOperator::new([&d.u, &d.v], [&d.uu, &d.uv, &d.vv], &normal)
         });
-        shape.map_or(Bound::UNKNOWN, |shape| shape.largest(&CORNERS))
+        shape.map_or(Bound::UNKNOWN, |shape| {
+            let (upper, corner) = shape.largest(&CORNERS);
+            Bound { upper, lower: shape.least(), corner }
+        })
     };
     over_patch(nets, bound, |lower, upper| {
         upper < f64::INFINITY && upper - lower.max(0.0) <= (BRACKET_WIDTH * upper).max(flat)
@@ -71,7 +74,11 @@ pub struct ShapeOperator<const N: usize>([Affine<N>; 3]);
 
 impl<const N: usize> ShapeOperator<N> {
     /// From `S_u`, `S_v`, from `S_uu`, `S_uv`, `S_vv` and from the unit normal; None where the chart may be singular.
-    pub fn new(first: [&[Affine<N>; 3]; 2], second: [&[Affine<N>; 3]; 3], normal: &[Affine<N>; 3]) -> Option<Self> {
+    pub fn new(
+        first: [&[Affine<N>; 3]; 2],
+        second: [&[Affine<N>; 3]; 3],
+        normal: &[Affine<N>; 3],
+    ) -> Option<Self> {
         let area = cross(first[0], first[1]);
         let e = dot(first[0], first[0]);
         let inverse_e = e.recip()?;
@@ -86,30 +93,33 @@ impl<const N: usize> ShapeOperator<N> {
         ]))
     }
 
-    /// Bound of its larger eigenvalue. That is convex in the matrix, so its affine part is largest at a corner; the
-    /// rest moves it by no more than the norm of the matrix of radii.
-    fn largest_at(&self, corners: &[[f64; N]]) -> (f64, f64, [f64; N]) {
+    /// Bound of its larger eigenvalue, the corner where it is probably largest, and its affine part there. The larger
+    /// eigenvalue is convex in the matrix, so its affine part is largest at a corner; the rest moves it by no more
+    /// than the norm of the matrix of radii. It also rises with a, d and |b|: what is far below 0 does no harm.
+    pub fn largest(&self, corners: &[[f64; N]]) -> (f64, [f64; N]) {
         let at = |corner| larger_eigenvalue(self.0.map(|entry| entry.at(corner)));
         let corner = steepest_corner(corners, at);
-        let radius = larger_eigenvalue(self.0.map(|entry| entry.radius));
-        let size = |entry: &Affine<N>| entry.center.abs() + entry.at(corner).abs();
-        let rounding = 1e-14 * self.0.iter().map(size).sum::<f64>();
-        (at(corner), radius + rounding, corner)
+        let by_norm = at(corner) + larger_eigenvalue(self.0.map(|entry| entry.radius));
+        let [a, b, d] = self.0.map(|entry| entry.range());
+        let by_entry = larger_eigenvalue([a[1], b[1].max(-b[0]), d[1]]);
+        let upper = by_norm.min(by_entry) + self.rounding(corner);
+        (if upper.is_finite() { upper } else { f64::INFINITY }, corner)
     }
 
-    /// It is nowhere above.
-    pub fn upper(&self, corners: &[[f64; N]]) -> f64 {
-        let (value, radius, _) = self.largest_at(corners);
-        let upper = value + radius;
-        if upper.is_finite() { upper } else { f64::INFINITY }
+    fn rounding(&self, corner: [f64; N]) -> f64 {
+        let size = |entry: &Affine<N>| entry.center.abs() + entry.at(corner).abs();
+        1e-14 * self.0.iter().map(size).sum::<f64>()
     }
 }
 
 impl ShapeOperator<2> {
-    fn largest(&self, corners: &[[f64; 2]]) -> Bound {
-        let (value, radius, corner) = self.largest_at(corners);
-        let [lower, upper] = [value - radius, value + radius];
-        if lower.is_finite() && upper.is_finite() { Bound { upper, lower, corner } } else { Bound::UNKNOWN }
+    /// On a box that is a point: the larger eigenvalue is not below.
+    fn least(&self) -> f64 {
+        let middle = [0.0; 2];
+        let value = larger_eigenvalue(self.0.map(|entry| entry.center));
+        let radius = larger_eigenvalue(self.0.map(|entry| entry.radius));
+        let lower = value - radius - self.rounding(middle);
+        if lower.is_finite() { lower } else { f64::NEG_INFINITY }
     }
 }
 

@@ -69,7 +69,8 @@ pub fn irregular(
         // Proved to face down, while the middle does not: between them it turns.
         let turn = turn(middle, steepest, |uv| orientation * cross(uv).dot(up) > 0.0);
         let area = cross(middle).norm().max(cross(steepest).norm());
-        let kind = if cross(turn).norm() <= NO_AREA * area { Irregularity::Fold } else { Irregularity::Overhang };
+        let kind =
+            if cross(turn).norm() <= NO_AREA * area { Irregularity::Fold } else { Irregularity::Overhang };
         return name(kind, turn);
     }
     let at = slope.open.as_ref().map_or(steepest, Rectangle::middle);
@@ -101,8 +102,12 @@ fn collapsed_border(patch: &BezierPatch, [u, v]: [f64; 2]) -> Option<&'static st
     let [p, q] = patch.degree();
     let row = |i: usize| -> Vec<Vector3<f64>> { (0..=q).map(|j| patch.point(i, j)).collect() };
     let column = |j: usize| -> Vec<Vector3<f64>> { (0..=p).map(|i| patch.point(i, j)).collect() };
-    let borders =
-        [("u = 0", u, row(0)), ("u = 1", 1.0 - u, row(p)), ("v = 0", v, column(0)), ("v = 1", 1.0 - v, column(q))];
+    let borders = [
+        ("u = 0", u, row(0)),
+        ("u = 1", 1.0 - u, row(p)),
+        ("v = 0", v, column(0)),
+        ("v = 1", 1.0 - v, column(q)),
+    ];
     let collapsed = |points: &[Vector3<f64>]| points.iter().all(|point| (point - points[0]).norm() <= close);
     borders
         .iter()

@@ -24,7 +24,7 @@
 
 use super::curvature::{ShapeOperator, steepest_corner, unit_normal};
 use super::search::{Maximum, Part, maximise};
-use crate::surface::affine::{Affine, dot};
+use crate::surface::affine::{Affine, cross, dot};
 use crate::surface::derivative_nets::{DerivativeNets, Derivatives, Rectangle};
 use crate::tolerance::{REACH_PAIRS_MAX, REACH_WIDTH};
 use std::collections::BTreeMap;
@@ -37,35 +37,61 @@ pub struct Pair {
     pub contact: Rectangle,
     /// Where it may touch again.
     pub touch: Rectangle,
-    /// Only contacts that are not on a border count.
-    inner: bool,
+    rank: Rank,
 }
+
+/// Which contacts of a box count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    /// Those on no border.
+    Inner,
+    /// Those on one border, across which this parameter changes, towards the floor by this sign.
+    Border(usize, i8),
+    /// All.
+    Corner,
+}
+
+/// A floor on which a ball this many times smaller touches twice meets itself.
+const MEETS: f64 = 1e6;
 
 /// Parameters of a contact and of a second touch.
 pub type Places = [[f64; 2]; 2];
 
-/// Bracket of sup g, 1/m, given the certified upper end of the largest curvature; it never falls below that. What is
-/// below `1/size` for a floor of this size, m, times 1e-6 counts as 0.
-pub fn largest_touch(
-    nets: &DerivativeNets,
-    side: f64,
-    curvature: f64,
-    size: f64,
-    flat: f64,
-) -> Maximum<Pair, Places> {
-    let inner = Pair { contact: Rectangle::WHOLE, touch: Rectangle::WHOLE, inner: true };
-    let borders = Rectangle::BORDERS.map(|contact| Pair { contact, inner: false, ..inner });
+/// What is asked about sup g.
+pub struct Question {
+    /// A certified upper bound of the largest curvature, 1/m: sup g is that or more.
+    pub curvature: f64,
+    /// Only whether sup g is above this, 1/m; 0 for its bracket.
+    pub ample: f64,
+    /// The floor's size, m.
+    pub size: f64,
+    /// A bracket this narrow is narrow enough, 1/m.
+    pub flat: f64,
+}
+
+/// Bracket of the largest of sup g, the curvature and what is ample.
+pub fn largest_touch(nets: &DerivativeNets, side: f64, question: &Question) -> Maximum<Pair, Places> {
+    let Question { curvature, ample, size, flat } = *question;
+    let inner = Pair { contact: Rectangle::WHOLE, touch: Rectangle::WHOLE, rank: Rank::Inner };
+    let borders = [0, 1, 2, 3].map(|k| {
+        let rank = Rank::Border(k / 2, [1, -1][k % 2]);
+        Pair { contact: Rectangle::BORDERS[k], rank, ..inner }
+    });
+    let corners = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]]
+        .map(|signs| Pair { contact: Rectangle::WHOLE.corner_box(signs), rank: Rank::Corner, ..inner });
     let mut floor = Pieces { nets, side, size, pieces: BTreeMap::new() };
+    let enough = |lower: f64, upper: f64| {
+        let meets = lower * size > MEETS;
+        let decided = ample > curvature && lower > ample;
+        let narrow = ample <= curvature && upper < f64::INFINITY;
+        meets || decided || (narrow && upper - lower <= (REACH_WIDTH * upper).max(flat))
+    };
     maximise(
-        borders.into_iter().chain([inner]),
-        curvature,
+        borders.into_iter().chain(corners).chain([inner]),
+        curvature.max(ample),
         REACH_PAIRS_MAX,
         |pair, known| floor.split(pair, known),
-        |lower, upper| {
-            // A ball a millionth of the floor wide that touches twice is a floor that meets itself.
-            let meets = lower * size > 1e6;
-            meets || (upper < f64::INFINITY && upper - lower <= (REACH_WIDTH * upper).max(flat))
-        },
+        enough,
     )
 }
 
@@ -121,7 +147,8 @@ impl Pieces<'_> {
         let contact = self.piece(pair.contact);
         let touch = self.piece(pair.touch);
         let radius = self.size.min(known.recip());
-        let swing = |vector: &[Affine; 3], d: usize| vector.iter().map(|a| a.slope[d].powi(2)).sum::<f64>().sqrt();
+        let swing =
+            |vector: &[Affine; 3], d: usize| vector.iter().map(|a| a.slope[d].powi(2)).sum::<f64>().sqrt();
         let mut best: Option<(f64, [Pair; 2])> = None;
         for d in 0..2 {
             let turn = contact.normal.map_or(0.0, |normal| swing(&normal, d));
@@ -154,7 +181,17 @@ impl Pieces<'_> {
             return Part { upper, ..nothing };
         };
         let Some(chord) = Chord::new(&contact, &touch, normal) else { return nothing };
-        if place.inner && chord.is_oblique(&contact.derivatives) {
+        let d = &contact.derivatives;
+        let ruled_out = match place.rank {
+            Rank::Inner => chord.is_oblique(d),
+            Rank::Border(across, sign) => {
+                let inward = if across == 0 { cross(&d.v, &normal) } else { cross(&normal, &d.u) };
+                let inward = inward.map(|form| form.scaled(self.side * f64::from(sign)).joint(0));
+                dot(&chord.x, &inward).range()[0] > 0.0
+            }
+            Rank::Corner => false,
+        };
+        if ruled_out {
             return nothing;
         }
         let mut upper = chord.g.map_or(farthest, |g| g.range()[1].min(farthest));
@@ -182,7 +219,7 @@ impl Pieces<'_> {
 
     /// The bound by second derivatives over a box that holds both places.
     fn near(&mut self, place: &Pair, at_contact: &Derivatives<Affine>, normal: &[Affine<4>; 3]) -> Near {
-        let hull = place.contact.hull(&place.touch);
+        let hull = place.contact.hull(&place.touch).rounded();
         let ends = [place.contact.within(&hull), place.touch.within(&hull)];
         // The place (1 - share) p + share q.
         let between = |share: f64| -> [Affine<4>; 2] {
@@ -199,7 +236,7 @@ impl Pieces<'_> {
         let [middle, third] = [between(0.5), between(1.0 / 3.0)];
         let mean = |vector: &[Affine; 3], place: &[Affine<4>; 2]| vector.map(|form| form.composed(place));
         let first = [&whole.derivatives.u, &whole.derivatives.v].map(|form| mean(form, &middle));
-        if place.inner {
+        if place.rank == Rank::Inner {
             // x = D d has tangential part S'(p)^T D d, which vanishes for d = 0 only if that matrix is regular.
             let own = [at_contact.u, at_contact.v].map(|vector| vector.map(|component| component.joint(0)));
             let entry = |i: usize, j: usize| dot(&own[i], &first[j]);
@@ -211,7 +248,7 @@ impl Pieces<'_> {
         let d = &whole.derivatives;
         let second = [&d.uu, &d.uv, &d.vv].map(|form| mean(form, &third));
         let shape = ShapeOperator::new([&first[0], &first[1]], second.each_ref(), normal);
-        Near::Upper(shape.map_or(f64::INFINITY, |shape| shape.upper(&CORNERS)))
+        Near::Upper(shape.map_or(f64::INFINITY, |shape| shape.largest(&CORNERS).0))
     }
 }
 

@@ -57,17 +57,27 @@ fn the_pit_and_hill_has_its_known_radius_and_slope() {
 
 #[test]
 fn the_other_side_of_the_pit_and_hill_has_its_known_convex_radius() {
-    let convex = certify(&pit_and_hill(), &Vector3::z()).convex_curvature;
+    // Upside down the hill is the pit.
+    let convex = certify(&pit_and_hill(), &-Vector3::z()).curvature;
     assert!((1.0 / convex[1] - 1.738).abs() < 1e-3);
 }
 
 #[test]
 fn a_mirrored_floor_has_the_same_certificate() {
     let patch = pit_and_hill();
-    let net = patch.net().iter().map(|p| Vector3::new(-p.x, p.y, p.z)).collect();
+    let mirror = |p: &Vector3<f64>| Vector3::new(-p.x, p.y, p.z);
+    let net = patch.net().iter().map(mirror).collect();
     let mirrored = certify(&BezierPatch::new(patch.degree(), net).unwrap(), &Vector3::z());
     let straight = certify(&patch, &Vector3::z());
-    assert_eq!(mirrored, Certificate { orientation: -1.0, ..straight });
+    let place = |at: FloorPlace| FloorPlace { point: mirror(&at.point), ..at };
+    let expected = Certificate {
+        orientation: -1.0,
+        steepest_at: place(straight.steepest_at),
+        curvature_at: place(straight.curvature_at),
+        reach_at: straight.reach_at.map(place),
+        ..straight
+    };
+    assert_eq!(mirrored, expected);
 }
 
 #[test]
@@ -81,15 +91,11 @@ fn a_paraboloid_curves_most_at_its_vertex() {
 
 #[test]
 fn what_is_nowhere_concave_has_curvature_zero() {
-    let plane =
-        BezierPatch::from_polynomial([-3.0, 1.0], [0.0, 1.0], &[vec![0.0, 0.5], vec![-0.3]]).unwrap();
+    let plane = BezierPatch::from_polynomial([-3.0, 1.0], [0.0, 1.0], &[vec![0.0, 0.5], vec![-0.3]]).unwrap();
     let [low, high] = assert_holds(&plane).curvature;
     assert!(low == 0.0 && high < 1e-6);
-    let dome = BezierPatch::from_polynomial(
-        [-1.0, 1.0],
-        [-1.0, 1.0],
-        &[vec![0.0, 0.0, -1.0], vec![], vec![-0.5]],
-    );
+    let dome =
+        BezierPatch::from_polynomial([-1.0, 1.0], [-1.0, 1.0], &[vec![0.0, 0.0, -1.0], vec![], vec![-0.5]]);
     assert_eq!(assert_holds(&dome.unwrap()).curvature, [0.0, 0.0]);
     let ridge =
         BezierPatch::from_polynomial([-1.0, 1.0], [-1.0, 1.0], &[vec![], vec![], vec![-0.5]]).unwrap();
