@@ -115,8 +115,10 @@ pub const CURVATURE_MAX: f64 = 0.999;
 
 /// Relative width at which a certified bracket is tight enough. Less costs boxes, more refuses balls that fit.
 pub const BRACKET_WIDTH: f64 = 2e-4;
-/// Curvature times the floor's size below which a floor counts as flat: a bracket around 0 has no relative width.
-pub const BRACKET_FLAT: f64 = 1e-6;
+/// Curvature times the floor's size below which a floor counts as flat: a bracket around 0 has no relative width, and a
+/// ball ten thousand times the floor's size lies on none. A hundredth of it costs a plane in a curved chart a hundred
+/// times the boxes.
+pub const BRACKET_FLAT: f64 = 1e-4;
 /// Boxes looked at in one certified search, some half a second at degree 10 x 10; usual floors need hundreds. A search
 /// that runs out returns the wider bracket it has.
 pub const BRACKET_BOXES_MAX: usize = 60_000;

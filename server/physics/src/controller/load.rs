@@ -214,7 +214,8 @@ fn check_floor(scene: &Scene, patch: &BezierPatch, certificate: &Certificate) ->
         let fits = |reach: f64| spec.radius <= CURVATURE_MAX * reach * (1.0 + 4.0 * f64::EPSILON);
         if !fits(certificate.reach[0]) {
             // Before a scene is refused the bracket is worth its time.
-            let Certificate { reach: [lo, hi], reach_at: [contact, touch], .. } = certify(patch, &-scene.gravity);
+            let Certificate { reach: [lo, hi], reach_at: [contact, touch], .. } =
+                certify(patch, &-scene.gravity);
             if !fits(lo) {
                 return Err(SceneFault::SecondTouch { ball, radius: spec.radius, lo, hi, contact, touch });
             }

@@ -25,7 +25,7 @@ impl Bound {
 pub fn steepest(nets: &DerivativeNets, orientation: f64, up: &Vector3<f64>) -> Maximum<Rectangle, [f64; 2]> {
     let up: [Affine; 3] = std::array::from_fn(|k| Affine::number(up[k], 0.0));
     let cosine = |d: &Derivatives<Affine>| {
-        let Some(normal) = unit_normal(d) else { return Bound::UNKNOWN };
+        let Some(normal) = unit_normal(&d.u, &d.v) else { return Bound::UNKNOWN };
         let against = dot(&normal, &up).scaled(-orientation);
         let [lower, upper] = against.range();
         Bound { upper, lower, corner: steepest_corner(&CORNERS, |s| against.at(s)) }
@@ -39,7 +39,7 @@ pub fn steepest(nets: &DerivativeNets, orientation: f64, up: &Vector3<f64>) -> M
 /// Bracket of the largest principal curvature towards one side (+1 or -1) of `S_u x S_v`, 1/m, to within `flat`.
 pub fn largest_curvature(nets: &DerivativeNets, side: f64, flat: f64) -> Maximum<Rectangle, [f64; 2]> {
     let bound = |d: &Derivatives<Affine>| {
-        let shape = unit_normal(d).and_then(|n| {
+        let shape = unit_normal(&d.u, &d.v).and_then(|n| {
             let normal = n.map(|component| component.scaled(side));
             ShapeOperator::new([&d.u, &d.v], [&d.uu, &d.uv, &d.vv], &normal)
         });
@@ -54,8 +54,8 @@ pub fn largest_curvature(nets: &DerivativeNets, side: f64, flat: f64) -> Maximum
 }
 
 /// `S_u x S_v / |S_u x S_v|`; None where the chart may be singular.
-pub fn unit_normal(d: &Derivatives<Affine>) -> Option<[Affine; 3]> {
-    let normal = d.cross();
+pub fn unit_normal(du: &[Affine; 3], dv: &[Affine; 3]) -> Option<[Affine; 3]> {
+    let normal = cross(du, dv);
     let inverse = dot(&normal, &normal).sqrt()?.recip()?;
     Some(normal.map(|component| component * inverse))
 }

@@ -120,7 +120,8 @@ impl Certificate {
         let [least, most] = self.curvature;
         self.reach_at = [self.curvature_at; 2];
         self.reach[1] = least.recip();
-        if most < f64::INFINITY {
+        // Where curvature alone refuses nothing more is asked.
+        if most < f64::INFINITY && (ample == 0.0 || most < ample) {
             let question = reach::Question { curvature: most, ample, size, flat };
             let touch = reach::largest_touch(nets, self.orientation, &question);
             self.pairs = touch.boxes;

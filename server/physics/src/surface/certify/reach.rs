@@ -51,8 +51,8 @@ enum Rank {
     Corner,
 }
 
-/// A floor on which a ball this many times smaller touches twice meets itself.
-const MEETS: f64 = 1e6;
+/// Where a ball this many times smaller than the floor and its curvature allow touches twice, the floor meets itself.
+const MEETS: f64 = 1e4;
 
 /// Parameters of a contact and of a second touch.
 pub type Places = [[f64; 2]; 2];
@@ -77,11 +77,14 @@ pub fn largest_touch(nets: &DerivativeNets, side: f64, question: &Question) -> M
         let rank = Rank::Border(k / 2, [1, -1][k % 2]);
         Pair { contact: Rectangle::BORDERS[k], rank, ..inner }
     });
-    let corners = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]]
-        .map(|signs| Pair { contact: Rectangle::WHOLE.corner_box(signs), rank: Rank::Corner, ..inner });
-    let mut floor = Pieces { nets, side, size, pieces: BTreeMap::new() };
+    let corners = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]].map(|signs| Pair {
+        contact: Rectangle::WHOLE.corner_box(signs),
+        rank: Rank::Corner,
+        ..inner
+    });
+    let mut floor = Pieces { nets, side, size, pieces: BTreeMap::new(), hulls: BTreeMap::new() };
     let enough = |lower: f64, upper: f64| {
-        let meets = lower * size > MEETS;
+        let meets = lower > MEETS * curvature.max(size.recip());
         let decided = ample > curvature && lower > ample;
         let narrow = ample <= curvature && upper < f64::INFINITY;
         meets || decided || (narrow && upper - lower <= (REACH_WIDTH * upper).max(flat))
@@ -98,7 +101,8 @@ pub fn largest_touch(nets: &DerivativeNets, side: f64, question: &Question) -> M
 /// What is known of the floor on one box.
 struct Piece {
     point: [Affine; 3],
-    derivatives: Derivatives<Affine>,
+    /// `S_u` and `S_v`.
+    tangents: [[Affine; 3]; 2],
     /// Unit normal on the balls' side.
     normal: Option<[Affine; 3]>,
 }
@@ -109,6 +113,8 @@ struct Pieces<'a> {
     side: f64,
     size: f64,
     pieces: BTreeMap<Rectangle, Rc<Piece>>,
+    /// Derivatives on boxes around pairs.
+    hulls: BTreeMap<Rectangle, Rc<Derivatives<Affine>>>,
 }
 
 /// g as far as it is known on a pair of boxes.
@@ -116,6 +122,8 @@ struct Chord {
     /// S(q) - S(p).
     x: [Affine<4>; 3],
     normal: [Affine<4>; 3],
+    /// n(p) . x.
+    height: Affine<4>,
     /// g; None where x may vanish.
     g: Option<Affine<4>>,
 }
@@ -127,7 +135,7 @@ impl Chord {
         let normal = normal.map(|component| component.joint(0));
         let height = dot(&x, &normal);
         let g = dot(&x, &x).recip().map(|inverse| height.scaled(2.0) * inverse);
-        (height.range()[1] > 0.0).then_some(Self { x, normal, g })
+        (height.range()[1] > 0.0).then_some(Self { x, normal, height, g })
     }
 }
 
@@ -135,9 +143,9 @@ impl Pieces<'_> {
     fn piece(&mut self, place: Rectangle) -> Rc<Piece> {
         let (nets, side) = (self.nets, self.side);
         let piece = self.pieces.entry(place).or_insert_with(|| {
-            let (point, derivatives) = nets.enclosures(&place);
-            let normal = unit_normal(&derivatives).map(|n| n.map(|component| component.scaled(side)));
-            Rc::new(Piece { point, derivatives, normal })
+            let [point, u, v] = nets.first(&place);
+            let normal = unit_normal(&u, &v).map(|n| n.map(|component| component.scaled(side)));
+            Rc::new(Piece { point, tangents: [u, v], normal })
         });
         piece.clone()
     }
@@ -177,15 +185,15 @@ impl Pieces<'_> {
         let touch = self.piece(place.touch);
         let farthest = 2.0 / distance(&contact.point, &touch.point);
         let Some(normal) = contact.normal.filter(|_| farthest > known) else {
-            let upper = if farthest > known { f64::INFINITY } else { f64::NEG_INFINITY };
+            let upper = if farthest > known { farthest } else { f64::NEG_INFINITY };
             return Part { upper, ..nothing };
         };
         let Some(chord) = Chord::new(&contact, &touch, normal) else { return nothing };
-        let d = &contact.derivatives;
+        let [u, v] = &contact.tangents;
         let ruled_out = match place.rank {
-            Rank::Inner => chord.is_oblique(d),
+            Rank::Inner => chord.is_oblique(&contact.tangents),
             Rank::Border(across, sign) => {
-                let inward = if across == 0 { cross(&d.v, &normal) } else { cross(&normal, &d.u) };
+                let inward = if across == 0 { cross(v, &normal) } else { cross(&normal, u) };
                 let inward = inward.map(|form| form.scaled(self.side * f64::from(sign)).joint(0));
                 dot(&chord.x, &inward).range()[0] > 0.0
             }
@@ -195,16 +203,17 @@ impl Pieces<'_> {
             return nothing;
         }
         let mut upper = chord.g.map_or(farthest, |g| g.range()[1].min(farthest));
-        if upper > known && place.contact.is_near(&place.touch) {
-            match self.near(&place, &contact.derivatives, &chord.normal) {
+        if upper > known && (place.rank == Rank::Inner || place.contact.is_near(&place.touch)) {
+            match self.near(&place, &chord.normal) {
                 Near::Oblique => return nothing,
                 Near::Upper(bound) => upper = upper.min(bound),
             }
         }
-        let sample = chord.g.filter(|_| upper > known).and_then(|g| {
-            let corner = steepest_corner(&CORNERS, |s| g.at(s));
-            (g.at(corner) > known).then(|| self.sample(&place, corner)).flatten()
-        });
+        // Where x may vanish the highest q is the best guess.
+        let guess = chord.g.unwrap_or(chord.height);
+        let corner = steepest_corner(&CORNERS, |s| guess.at(s));
+        let promising = upper > known && chord.g.is_none_or(|g| g.at(corner) > known);
+        let sample = promising.then(|| self.sample(&place, corner)).flatten();
         Part { place, upper, sample }
     }
 
@@ -218,7 +227,7 @@ impl Pieces<'_> {
     }
 
     /// The bound by second derivatives over a box that holds both places.
-    fn near(&mut self, place: &Pair, at_contact: &Derivatives<Affine>, normal: &[Affine<4>; 3]) -> Near {
+    fn near(&mut self, place: &Pair, normal: &[Affine<4>; 3]) -> Near {
         let hull = place.contact.hull(&place.touch).rounded();
         let ends = [place.contact.within(&hull), place.touch.within(&hull)];
         // The place (1 - share) p + share q.
@@ -232,21 +241,20 @@ impl Pieces<'_> {
                 end(0) * Affine::number(1.0 - share, 0.0) + end(1) * Affine::number(share, 0.0)
             })
         };
-        let whole = self.piece(hull);
+        let nets = self.nets;
+        let whole = self.hulls.entry(hull).or_insert_with(|| Rc::new(nets.enclosures(&hull))).clone();
         let [middle, third] = [between(0.5), between(1.0 / 3.0)];
         let mean = |vector: &[Affine; 3], place: &[Affine<4>; 2]| vector.map(|form| form.composed(place));
-        let first = [&whole.derivatives.u, &whole.derivatives.v].map(|form| mean(form, &middle));
+        let first = [&whole.u, &whole.v].map(|form| mean(form, &middle));
         if place.rank == Rank::Inner {
-            // x = D d has tangential part S'(p)^T D d, which vanishes for d = 0 only if that matrix is regular.
-            let own = [at_contact.u, at_contact.v].map(|vector| vector.map(|component| component.joint(0)));
-            let entry = |i: usize, j: usize| dot(&own[i], &first[j]);
-            let determinant = entry(0, 0) * entry(1, 1) - entry(0, 1) * entry(1, 0);
-            if determinant.range()[0] > 0.0 {
+            // x = D d has tangential part S'(p)^T D d, which vanishes for d = 0 only if that matrix is regular; its
+            // determinant is the product of the two normals.
+            let mean_normal = cross(&first[0], &first[1]).map(|form| form.scaled(self.side));
+            if dot(&mean_normal, normal).range()[0] > 0.0 {
                 return Near::Oblique;
             }
         }
-        let d = &whole.derivatives;
-        let second = [&d.uu, &d.uv, &d.vv].map(|form| mean(form, &third));
+        let second = [&whole.uu, &whole.uv, &whole.vv].map(|form| mean(form, &third));
         let shape = ShapeOperator::new([&first[0], &first[1]], second.each_ref(), normal);
         Near::Upper(shape.map_or(f64::INFINITY, |shape| shape.largest(&CORNERS).0))
     }
@@ -254,8 +262,8 @@ impl Pieces<'_> {
 
 impl Chord {
     /// Whether x certainly has a tangential part at p.
-    fn is_oblique(&self, at_contact: &Derivatives<Affine>) -> bool {
-        [at_contact.u, at_contact.v].iter().any(|tangent| {
+    fn is_oblique(&self, tangents: &[[Affine; 3]; 2]) -> bool {
+        tangents.iter().any(|tangent| {
             let [low, high] = dot(&self.x, &tangent.map(|component| component.joint(0))).range();
             low > 0.0 || high < 0.0
         })

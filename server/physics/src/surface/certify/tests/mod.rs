@@ -1,5 +1,8 @@
 //! Certificates against samples and closed forms.
 
+mod irregular;
+mod reach;
+
 use super::*;
 use proptest::prelude::*;
 
@@ -35,6 +38,10 @@ fn assert_holds(patch: &BezierPatch) -> Certificate {
         assert!((there - low).abs() <= 1e-9 * there.abs().max(1.0), "{there} {certificate:?}");
     }
     certificate
+}
+
+fn polynomial(x: [f64; 2], y: [f64; 2], terms: &[Vec<f64>]) -> BezierPatch {
+    BezierPatch::from_polynomial(x, y, terms).unwrap()
 }
 
 /// The floor of the program this one grew out of: degree 10 x 10, a pit and a hill.
@@ -121,29 +128,6 @@ fn a_spike_between_the_samples_of_a_fine_grid_is_caught() {
     assert!(coarse < 200.0, "not a spike: {coarse}");
     let [low, high] = certificate.curvature;
     assert!(low <= 1000.0 && 1000.0 <= high && high - low < 1.0, "{certificate:?}");
-}
-
-#[test]
-fn a_collapsed_edge_is_named() {
-    let net = (0..9).map(|n| {
-        let (i, j) = (n / 3, n % 3);
-        Vector3::new(f64::from(i), if i == 0 { 0.0 } else { f64::from(j) }, 0.0)
-    });
-    let patch = BezierPatch::new([2, 2], net.collect()).unwrap();
-    let fault = certify(&patch, &Vector3::z()).regular.unwrap_err();
-    assert_eq!(fault.kind, Irregularity::CollapsedEdge("u = 0"));
-    assert!(fault.at.uv[0] < 1e-6);
-}
-
-#[test]
-fn a_fold_and_an_overhang_are_named() {
-    let fold = [0.0, 2.0, -1.0, 1.0].map(|x| [0.0, 1.0].map(|y| Vector3::new(x, y, 0.0))).concat();
-    assert!(certify(&BezierPatch::new([3, 1], fold).unwrap(), &Vector3::z()).regular.is_err());
-    let overhang = [[0.0, 0.0], [1.5, 0.0], [-0.5, 1.0], [1.0, 1.0]]
-        .map(|[x, z]| [0.0, 1.0].map(|y| Vector3::new(x, y, z)));
-    let certificate = certify(&BezierPatch::new([3, 1], overhang.concat()).unwrap(), &Vector3::z());
-    assert!(certificate.regular.is_err());
-    assert_eq!(certificate.curvature[1], f64::INFINITY);
 }
 
 proptest! {
