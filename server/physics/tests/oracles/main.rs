@@ -8,3 +8,4 @@ mod known_faults;
 mod repeatable;
 mod scenes;
 mod tables;
+mod tight_floors;
