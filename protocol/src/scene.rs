@@ -28,6 +28,9 @@ pub struct Scene {
     /// How exactly motion is computed.
     #[serde(default)]
     pub accuracy: Accuracy,
+    /// Hits one ball may have within 1/64 s before it is held until they are over: a bound of work.
+    #[serde(default = "default_hit_budget")]
+    pub hit_budget: u32,
     /// The one floor.
     pub floor: Floor,
     /// Vertical walls.
@@ -46,6 +49,9 @@ pub struct Scene {
 
 fn default_gravity() -> [f64; 3] {
     [0.0, 0.0, -9.81]
+}
+fn default_hit_budget() -> u32 {
+    1 << 22
 }
 fn one() -> f64 {
     1.0
@@ -277,7 +283,7 @@ pub enum InertiaName {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cloud {
-    /// Names are `<name>-0001` and so on.
+    /// Names are `<name>-0001` and so on, with more digits where `count` has more.
     pub name: String,
     /// How many.
     pub count: u32,

@@ -1,5 +1,5 @@
 //! Cost beside error for the scenes that come with the program, or for the scenes named as arguments:
-//! `cargo bench -p server --bench scenes -- thousand`.
+//! `cargo bench -p server --bench scenes -- thousand gas:10000`, where the number is that of the balls.
 //!
 //! Each scene is advanced by ticks of 60 Hz, as the server does, after one second of warming up. CPU is the
 //! process's own time, so that other load on the machine counts less; energy is the relative change over the
@@ -41,7 +41,11 @@ fn main() {
 }
 
 fn measure(scene: &str) -> Result<String, server::SceneError> {
-    let loaded = SceneText::open(scene)?.load()?;
+    let (name, count) = match scene.split_once(':').map(|(name, count)| (name, count.parse())) {
+        Some((name, Ok(count))) => (name, Some(count)),
+        _ => (scene, None),
+    };
+    let loaded = SceneText::open(name)?.with_balls(count).load()?;
     let smallest = loaded.physics().balls.iter().map(|b| b.radius).fold(f64::INFINITY, f64::min);
     let mut controller = loaded.controller()?;
     let mut tick = 0;

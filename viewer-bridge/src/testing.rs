@@ -27,6 +27,7 @@ pub fn original() -> World {
         motion: Motion::Rolling,
         restitution: 1.0,
         accuracy: Accuracy::default(),
+        hit_budget: 1 << 22,
         floor: Floor::Grid { x_m: [-10.0, 10.0], y_m: [-10.0, 10.0], control_heights_m: rows },
         walls: Walls { drawn_height_m: Some(2.0), ..Walls::default() },
         steering: Steering::default(),

@@ -21,7 +21,14 @@ pub struct Scene {
     pub restitution: f64,
     /// How exactly.
     pub accuracy: Accuracy,
+    /// Hits that one ball may have within a quantum of 1/64 s before it is held until the quantum ends: a bound of work,
+    /// never of wall time, so that a slow machine computes the same run. [`HIT_BUDGET`] is the usual one.
+    pub hit_budget: u32,
 }
+
+/// The hit budget of scenes that name none. The 3 141 592 hits of a light ball between a wall and a ball 1e12 times as
+/// heavy fit in.
+pub const HIT_BUDGET: u32 = 1 << 22;
 
 /// The floor, as one Bezier patch over (u, v) in the unit square.
 #[derive(Clone, Debug)]

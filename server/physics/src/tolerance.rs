@@ -29,19 +29,24 @@ pub fn allowed_error(tolerance: f64, h: f64) -> f64 {
     ERROR_PER_SECOND * tolerance * h
 }
 
-/// Angle of one piece of a turn, rad, by the position error that is wanted, m. Magnus' remainder falls with its sixth
-/// power; the last is held to 1e-10 rad over 60 rad by the test `orientation_follows_the_angular_velocity`.
-pub const TURN_ANGLES: [(f64, f64); 4] = [(1e-6, 1.0), (1e-8, 0.5), (1e-10, 0.25), (0.0, 0.1)];
+/// Rotation that one arc's turn may leave out over the position error that is wanted, rad/m. Arcs are up to a hundred a
+/// second, so that 10 s of them stay a decade below what a radius of 0.1 m would show; each decade costs a term.
+pub const TURN_SHARE: f64 = 1e-2;
+/// Least rotation worth keeping, rad: rounding. Also for schemes of fixed step, whose own order shall show.
+pub const TURN_LEAST: f64 = 1e-15;
 
-/// Angle of one piece of a turn for a scene, rad; schemes of fixed step get the third of [`TURN_ANGLES`].
-pub fn turn_angle(accuracy: Accuracy) -> f64 {
-    let wanted = match accuracy {
-        Accuracy::Tolerance(tolerance) => tolerance,
-        Accuracy::Fixed(..) => TURN_ANGLES[2].0,
-    };
-    TURN_ANGLES.iter().find(|(from, _)| wanted >= *from).map_or(TURN_ANGLES[3].1, |(_, angle)| *angle)
+/// Rotation that a turn may leave out in a scene, rad.
+pub fn turn_left_out(accuracy: Accuracy) -> f64 {
+    match accuracy {
+        Accuracy::Tolerance(tolerance) => (TURN_SHARE * tolerance).max(TURN_LEAST),
+        Accuracy::Fixed(..) => TURN_LEAST,
+    }
 }
 
+/// Angle of one piece of a turn, rad. More takes many terms, less takes many pieces; the minimum is flat.
+pub const TURN_PIECE: f64 = 1.0;
+/// Terms of one piece: the last of a turn of degree 7 may be 7 rad long, and (7/2)^32/32! is below 1e-17.
+pub const TURN_TERMS_MAX: usize = 33;
 /// Most pieces of one turn: a ball that spins at 2000 rad/s for a second.
 pub const TURN_PIECES_MAX: f64 = 4096.0;
 /// Longest parabola of a rolling ball under force, s: its orientation is followed from the start.
@@ -50,6 +55,9 @@ pub const TURN_MAX: f64 = 64.0 * QUANTUM;
 /// Centre travel in one detection window, in radii. More makes windows rarer and neighbours more; 2 is near
 /// the minimum for a gas that covers a fifth of the floor, and the minimum is flat.
 pub const WINDOW_TRAVEL: f64 = 2.0;
+/// The same over the floor's longer side, where that is more: a grain of dust would open a window every micrometre.
+/// More lets a crowd on a vast floor look at many neighbours, less makes dust slow.
+pub const WINDOW_FLOOR_SHARE: f64 = 1.0 / 65_536.0;
 /// Longest window, s.
 pub const WINDOW_MAX: f64 = 1.0;
 /// Shortest window, s: 2^-40.
@@ -72,9 +80,12 @@ pub const CLOSING_NOISE: f64 = 4e-15;
 /// The same for bodies that have just come to rest beside faster ones, m/s: an impact of a metre a second
 /// leaves as much. Overlap grows by it no faster than 4e-11 m an hour.
 pub const CLOSING_NOISE_SPEED: f64 = 1e-14;
-/// Hits of one ball within a quantum before it is held until the quantum ends: a bound of work, not of time. A
-/// light ball between a wall and one 1e12 times as heavy makes 3 141 592 in all.
-pub const HITS_PER_QUANTUM_MAX: u32 = 1 << 22;
+
+/// Finest and coarsest cell of the search for neighbours, over the reach of a ball's bounds: with finer ones a search
+/// visits more than some twenty cells, with coarser ones it meets balls that are far.
+pub const GRID_CELL_RADII: [f64; 2] = [0.75, 2.5];
+/// Most cells a ball, rounded up to a power of two. Fewer let cells far apart share a list, more cost memory.
+pub const GRID_CELLS_PER_BALL: usize = 2;
 
 /// Gap below which balls count as touching when one of them is hit, in ulps of the larger coordinate.
 pub const TOUCH_ULPS: f64 = 4.0;
@@ -102,6 +113,14 @@ pub const REFLECTIONS_MAX: usize = 4096;
 pub const REFLECTIONS_STUCK: usize = 64;
 /// Closing speed below which a contact of a cluster counts as satisfied, relative to the fastest ball.
 pub const CLUSTER_SATISFIED: f64 = 1e-14;
+
+/// Sure advances towards a hit before it is isolated instead: five reach the last bit unless the balls graze.
+pub const ADVANCES_MAX: u32 = 8;
+/// Hits of one elastic impact resolved in turn before it counts as depending on their order: a row of 64 equal balls
+/// that all reverse needs 2016.
+pub const IN_TURN_HITS_MAX: usize = 2048;
+/// Difference of two outcomes that is rounding, relative to the fastest ball. Orders that matter differ by parts of 1.
+pub const SAME_OUTCOME: f64 = 1e-12;
 
 /// Halvings of an interval before a root is taken as a touch without crossing.
 pub const ROOT_DEPTH_MAX: u32 = 48;

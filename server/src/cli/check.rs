@@ -1,8 +1,8 @@
 //! `check`: whether a scene can be run, and what it holds.
 
+use super::ball_count::BallCount;
 use ballroom_physics::surface::certify::{Certificate, certify};
 use protocol::scene::{Accuracy, Floor, Scene};
-use server::SceneText;
 use server::simulation::Simulation;
 use std::io::Write;
 use std::sync::Arc;
@@ -17,15 +17,18 @@ What is wrong is named by file, line, column and field, and the exit code is 5.
 
 Examples:
   ballroom check thousand
+  ballroom check gas --balls 100000
   ballroom check my_scene.toml")]
 pub struct Check {
     /// Name of a built-in scene, or a file ending in .toml
     scene: String,
+    #[command(flatten)]
+    count: BallCount,
 }
 
 impl Check {
     pub fn run(self) -> anyhow::Result<()> {
-        let loaded = Arc::new(SceneText::open(&self.scene)?.load()?);
+        let loaded = Arc::new(self.count.open(&self.scene)?.load()?);
         let controller = loaded.controller()?;
         // Sets up what `serve` would, to its last table.
         let roster = Simulation::new(loaded.clone(), 60, 0)?.roster().clone();

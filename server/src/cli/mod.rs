@@ -1,9 +1,11 @@
 //! The command line: one file a subcommand, and what they share.
 
+mod ball_count;
 mod check;
 mod clock;
 mod connection;
 mod exit;
+mod hardcases;
 mod lines;
 mod serve;
 mod signals;
@@ -48,6 +50,7 @@ enum Subcommands {
     Speed(clock::Speed),
     Watch(watch::Watch),
     Simulate(simulate::Simulate),
+    Hardcases(hardcases::Hardcases),
 }
 
 /// Runs the subcommand and says in one line what went wrong.
@@ -71,6 +74,7 @@ pub fn main() -> ExitCode {
         Subcommands::Speed(speed) => speed.run(),
         Subcommands::Watch(watch) => watch.run(),
         Subcommands::Simulate(simulate) => simulate.run(),
+        Subcommands::Hardcases(hardcases) => hardcases.run(),
     };
     done.map_or_else(|error| exit::code_of(&error), |()| ExitCode::SUCCESS)
 }

@@ -1,10 +1,11 @@
 //! `serve`: run a scene and serve it until told to stop.
 
+use super::ball_count::BallCount;
 use super::connection::ZenohFlags;
 use super::signals::abort_on_signal;
 use anyhow::bail;
 use protocol::keys::Name;
-use server::{Arena, ArenaOptions, SceneText};
+use server::{Arena, ArenaOptions};
 use std::io::Write;
 use std::time::Duration;
 
@@ -14,6 +15,7 @@ use std::time::Duration;
 Examples:
   ballroom serve
   ballroom serve thousand --rate 120
+  ballroom serve gas --balls 10000
   ballroom serve my_scene.toml -l tcp/127.0.0.1:7500 --paused
 
 Without -l it listens on tcp/127.0.0.1:7447, or the next free port, and only this machine can reach it.")]
@@ -21,6 +23,8 @@ pub struct Serve {
     /// Name of a built-in scene, or a file ending in .toml
     #[arg(default_value = "original")]
     scene: String,
+    #[command(flatten)]
+    count: BallCount,
     /// Ticks a simulated second
     #[arg(long, value_name = "HZ", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rate: u32,
@@ -42,7 +46,7 @@ pub struct Serve {
 
 impl Serve {
     pub fn run(self) -> anyhow::Result<()> {
-        let scene = SceneText::open(&self.scene)?;
+        let scene = self.count.open(&self.scene)?;
         let options = ArenaOptions {
             arena: self.arena,
             tick_rate_hz: self.rate,

@@ -1,12 +1,12 @@
 //! `simulate`: a scene as fast as it goes, without a network.
 
+use super::ball_count::BallCount;
 use super::exit::Interrupted;
 use super::lines::{Format, Lines};
 use super::signals::abort_on_signal;
 use ballroom_physics::Time;
 use indicatif::{ProgressBar, ProgressStyle};
 use protocol::snapshot::Snapshot;
-use server::SceneText;
 use server::simulation::Simulation;
 use std::sync::Arc;
 
@@ -24,10 +24,13 @@ are whole ticks are exactly the ticks of `serve` at that rate.
 Examples:
   ballroom simulate original --until 60
   ballroom simulate thousand --until 10 --every 1 --json > states.jsonl
+  ballroom simulate gas --balls 10000 --until 1
   ballroom simulate bowl --until 2.135585674238 --csv")]
 pub struct Simulate {
     /// Name of a built-in scene, or a file ending in .toml
     scene: String,
+    #[command(flatten)]
+    count: BallCount,
     /// Simulated seconds to run
     #[arg(long, value_name = "T", value_parser = seconds)]
     until: f64,
@@ -43,7 +46,7 @@ pub struct Simulate {
 
 impl Simulate {
     pub fn run(self) -> anyhow::Result<()> {
-        let loaded = Arc::new(SceneText::open(&self.scene)?.load()?);
+        let loaded = Arc::new(self.count.open(&self.scene)?.load()?);
         let mut simulation = Simulation::new(loaded, self.rate, 0)?;
         let abort = abort_on_signal()?;
         let bar = progress_bar();

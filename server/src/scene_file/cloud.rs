@@ -85,6 +85,8 @@ fn place(
     let around = Vector2::from(cloud.around_m);
     // A uniform disc of radius R has the mean square R^2 / 2.
     let speed = cloud.speed_rms_m_per_s * std::f64::consts::SQRT_2;
+    // Names of one length sort as their numbers do.
+    let digits = cloud.count.to_string().len().max(4);
     let mut looks = (LOOKS_PER_BALL * u64::from(cloud.count)).min(MAX_LOOKS);
     let mut out = Vec::with_capacity(radii.len());
     for radius in radii {
@@ -109,7 +111,7 @@ fn place(
         let velocity = random.in_disc() * speed;
         out.push(Placed {
             spec: BallSpec {
-                name: format!("{}-{:04}", cloud.name, out.len() + 1),
+                name: format!("{}-{:0digits$}", cloud.name, out.len() + 1),
                 radius,
                 mass: cloud.density_kg_per_m3 * (4.0 / 3.0 * PI) * (radius * radius * radius),
                 inertia_factor: cloud.inertia.factor(),

@@ -34,6 +34,9 @@ pub fn check(text: &SceneText, scene: &Scene) -> Result<(), SceneError> {
         }
         Accuracy::Fixed { step_s, .. } => check.number("accuracy.step_s", step_s, &(1e-6..=0.1)),
     }?;
+    if scene.hit_budget == 0 {
+        return check.refuse("hit_budget", "is 0: use at least 1, or leave it out".into());
+    }
     check.floor(&scene.floor)?;
     check.walls(scene)?;
     check.number("steering.impulse_m_per_s", scene.steering.impulse_m_per_s, &(0.0..=1e4))?;

@@ -5,6 +5,7 @@ mod fault;
 mod floor;
 mod limits;
 mod palette;
+mod stretch;
 mod walls;
 
 use ballroom_physics as physics;
@@ -18,14 +19,22 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// The scenes that come with the program: name and text.
-const BUILT_IN: [(&str, &str); 7] = [
+const BUILT_IN: [(&str, &str); 15] = [
     ("original", include_str!("../../scenes/original.toml")),
     ("original_frictionless", include_str!("../../scenes/original_frictionless.toml")),
     ("bowl", include_str!("../../scenes/bowl.toml")),
     ("plane", include_str!("../../scenes/plane.toml")),
     ("cradle", include_str!("../../scenes/cradle.toml")),
     ("galperin", include_str!("../../scenes/galperin.toml")),
+    ("saddle", include_str!("../../scenes/saddle.toml")),
+    ("trough", include_str!("../../scenes/trough.toml")),
+    ("monkey", include_str!("../../scenes/monkey.toml")),
+    ("break", include_str!("../../scenes/break.toml")),
+    ("corner", include_str!("../../scenes/corner.toml")),
+    ("bullet", include_str!("../../scenes/bullet.toml")),
+    ("bicubic", include_str!("../../scenes/bicubic.toml")),
     ("thousand", include_str!("../../scenes/thousand.toml")),
+    ("gas", include_str!("../../scenes/gas.toml")),
 ];
 
 /// Names of the scenes that come with the program.
@@ -38,12 +47,14 @@ pub fn built_in_names() -> impl Iterator<Item = &'static str> {
 pub struct SceneText {
     file: String,
     text: Cow<'static, str>,
+    /// How many balls are wanted, when it is not what the text says.
+    balls: Option<u32>,
 }
 
 impl SceneText {
     /// A text under a name for messages.
     pub fn new(file: impl Into<String>, text: impl Into<Cow<'static, str>>) -> Self {
-        Self { file: file.into(), text: text.into() }
+        Self { file: file.into(), text: text.into(), balls: None }
     }
 
     /// A built-in scene by its bare name; a file when `scene` ends in `.toml` or holds a path separator.
@@ -72,10 +83,23 @@ impl SceneText {
         Ok(Self::new(format!("{name}.toml"), *text))
     }
 
+    /// The same with `count` balls in all, when one is given. The scene must have exactly one cloud, which makes up the
+    /// number; the room is stretched sideways by the root of the ratio, so that as much of the floor is covered as
+    /// before, and its heights stay.
+    #[must_use]
+    pub fn with_balls(mut self, count: Option<u32>) -> Self {
+        self.balls = count.or(self.balls);
+        self
+    }
+
     /// Reads and checks it, and places its clouds.
     pub fn load(&self) -> Result<LoadedScene, SceneError> {
-        let scene = parse(&self.file, &self.text)?;
+        let mut scene = parse(&self.file, &self.text)?;
         limits::check(self, &scene)?;
+        if let Some(count) = self.balls {
+            stretch::to_count(self, &mut scene, count)?;
+            limits::check(self, &scene)?;
+        }
         let walls = walls::convert(self, &scene)?;
         let mut balls = scene.balls.iter().enumerate().map(|(i, ball)| Placed::of_ball(i, ball)).collect();
         cloud::place_all(self, &scene, &walls, &mut balls)?;
@@ -92,6 +116,7 @@ impl SceneText {
             },
             restitution: scene.restitution,
             accuracy: accuracy(scene.accuracy),
+            hit_budget: scene.hit_budget,
         };
         let cards = balls.into_iter().map(|ball| ball.card).collect();
         Ok(LoadedScene { source: self.clone(), scene: Arc::new(scene), physics, cards, wall_fields })

@@ -178,3 +178,51 @@ fn an_unknown_scene_lists_the_known_ones() {
     assert!(message.contains("original, original_frictionless"), "{message}");
     assert!(SceneText::open("no/such/file").unwrap_err().to_string().contains("cannot be opened"));
 }
+
+#[test]
+fn a_gas_of_any_number_covers_a_fifth_of_the_floor_and_rises_alike() {
+    for count in [10, 1_000, 20_000] {
+        let loaded = SceneText::open("gas").unwrap().with_balls(Some(count)).load().unwrap();
+        let balls = &loaded.physics().balls;
+        assert_eq!(balls.len(), count as usize);
+        let protocol::scene::Floor::Polynomial { x_m: [west, east], terms, .. } = &loaded.scene().floor
+        else {
+            panic!("the gas rolls on a polynomial")
+        };
+        let discs: f64 = balls.iter().map(|ball| std::f64::consts::PI * ball.radius * ball.radius).sum();
+        assert!((discs / (east - west).powi(2) - 0.2).abs() < 1e-4);
+        assert!((terms[0].c * east * east - 0.2454).abs() < 1e-4);
+        let mean_square = balls.iter().map(|b| b.velocity.norm_squared()).sum::<f64>() / f64::from(count);
+        assert!((mean_square - 1.0).abs() < 2.0 / f64::from(count).sqrt(), "{mean_square}");
+        loaded.controller().unwrap();
+    }
+}
+
+#[test]
+fn names_of_a_large_cloud_sort_as_their_numbers_do() {
+    let loaded = SceneText::open("gas").unwrap().with_balls(Some(12_000)).load().unwrap();
+    let names: Vec<&str> = loaded.physics().balls[1..].iter().map(|ball| ball.name.as_str()).collect();
+    assert!(names.is_sorted());
+    assert_eq!((names[0], names[11_998]), ("gas-00001", "gas-11999"));
+}
+
+#[test]
+fn what_is_served_of_a_stretched_scene_is_all_of_it() {
+    let loaded = SceneText::open("gas").unwrap().with_balls(Some(300)).load().unwrap();
+    let saved = toml::to_string(&**loaded.scene()).unwrap();
+    let again = SceneText::new("saved.toml", saved).load().unwrap();
+    assert_eq!(again.scene(), loaded.scene());
+    assert_eq!(again.physics().balls, loaded.physics().balls);
+}
+
+#[test]
+fn only_a_scene_with_one_cloud_takes_a_number_of_balls() {
+    let refusal = |name: &str, count| {
+        SceneText::open(name).unwrap().with_balls(Some(count)).load().unwrap_err().to_string()
+    };
+    assert!(refusal("bowl", 7).contains("the scene has 0 clouds: only one with exactly one"));
+    assert!(
+        refusal("gas", 1).contains("cloud[0].count: 1 balls were asked for: this scene takes 2 to 100000")
+    );
+    assert!(refusal("gas", 100_001).contains("takes 2 to 100000"));
+}

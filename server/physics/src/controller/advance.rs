@@ -32,7 +32,7 @@ impl Controller {
 
     fn take(&mut self, ball: usize, next: &Next) {
         match next.what {
-            What::Ball { other, stamp } if self.balls[other as usize].stamp == stamp => {
+            What::Ball { other, stamp } if self.arcs[other as usize].stamp == stamp => {
                 self.collide_balls(ball, other as usize, next.time);
             }
             // The other ball went elsewhere: search again.
@@ -51,27 +51,28 @@ impl Controller {
         if arc.finish() <= time {
             match arc.path {
                 Path::Curved => {
-                    let [state, slope] = arc.end;
-                    self.relaunch(ball, time, &state, Some(&slope));
+                    let state = arc.end;
+                    self.close_arc(ball, time);
+                    self.launch(ball, time, &state);
                 }
                 Path::Parabola | Path::Held => {
                     let dt = time.since(arc.start);
                     let state = arc.land(&self.balls[ball].body, &self.surface, self.accuracy, dt).0;
-                    self.relaunch(ball, time, &state, None);
+                    self.relaunch(ball, time, &state);
                 }
             }
         }
         self.predict(ball);
     }
 
-    /// Closes the present arc and puts the ball on a new one. A `slope` is given where the ball goes on as before.
-    pub(super) fn relaunch(&mut self, ball: usize, time: Time, state: &State, slope: Option<&State>) {
+    /// Closes the present arc and puts a ball that was hit or pushed on a new one.
+    pub(super) fn relaunch(&mut self, ball: usize, time: Time, state: &State) {
         self.close_arc(ball, time);
-        if slope.is_none() && self.balls[ball].drive.is_some() {
-            // After a hit or a push the speed limit asks for another force.
+        if self.balls[ball].drive.is_some() {
+            // The speed limit asks for another force.
             self.balls[ball].body.applied = self.applied(ball, state, time);
         }
-        self.launch(ball, time, state, slope);
+        self.launch(ball, time, state);
     }
 
     /// Takes stock of the present arc at its end, and keeps the orientation for the next.
@@ -80,24 +81,18 @@ impl Controller {
         let arc = &mut self.arcs[ball];
         let dt = time.since(arc.start);
         self.report.negative_reaction += arc.negative_reaction(dt);
-        arc.orientation = arc.orientation_at(dt);
+        arc.turning.start = arc.orientation_at(dt);
     }
 
     /// Puts a ball on a new arc, which keeps the orientation.
-    pub(super) fn launch(&mut self, ball: usize, time: Time, state: &State, slope: Option<&State>) {
+    pub(super) fn launch(&mut self, ball: usize, time: Time, state: &State) {
         let b = &mut self.balls[ball];
         let before = b.stepping.steps;
-        b.body.launch(
-            &self.surface,
-            self.accuracy,
-            (time, state, slope),
-            &mut b.stepping,
-            &mut self.arcs[ball],
-        );
-        b.stamp = b.stamp.wrapping_add(1);
+        b.body.launch(&self.surface, self.accuracy, (time, state), &mut b.stepping, &mut self.arcs[ball]);
         self.report.steps += b.stepping.steps - before;
         self.report.fallbacks += std::mem::take(&mut b.stepping.forced);
         let arc = &mut self.arcs[ball];
+        arc.stamp = arc.stamp.wrapping_add(1);
         if !arc.is_sane() {
             // The equations have no finite answer from here: the ball stands at its last good place.
             self.report.fallbacks += 1;

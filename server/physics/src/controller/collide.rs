@@ -7,8 +7,8 @@ use crate::motion::law::{State, velocity};
 use crate::resolve::impact::{Contact, Member, hop, resolve_cluster, resolve_one};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{
-    self, CLUSTER_MAX, HITS_KEPT, HITS_PER_QUANTUM_MAX, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS,
-    REST_HITS_MAX, REST_SPEED, SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
+    self, CLUSTER_MAX, HITS_KEPT, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
+    SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
 };
 use nalgebra::Vector3;
 
@@ -242,7 +242,7 @@ impl Controller {
             self.broad_phase.neighbours(ball, |other| {
                 let arc = &self.arcs[other];
                 let apart = arc.center_at(time.since(arc.start)) - center;
-                let reach = radius + self.balls[other].body.radius + POLISH;
+                let reach = radius + arc.radius + POLISH;
                 if apart.norm_squared() <= reach * reach {
                     found.push(other);
                 }
@@ -331,7 +331,7 @@ impl Controller {
             if cluster.held[place] {
                 self.hold(ball, time, &state);
             } else {
-                self.relaunch(ball, time, &state, None);
+                self.relaunch(ball, time, &state);
             }
         }
         for ball in cluster.found.drain(..) {
@@ -353,7 +353,7 @@ impl Controller {
             b.hits += 1;
             b.rest_hits += u32::from(slow);
             too_many_slow |= slow && b.rest_hits > REST_HITS_MAX;
-            too_many |= b.hits > HITS_PER_QUANTUM_MAX;
+            too_many |= b.hits > self.hit_budget;
         }
         if !too_many_slow && !too_many {
             return;
@@ -376,7 +376,7 @@ impl Controller {
         let arc = &mut self.arcs[ball];
         let length = Time::of_quantum(time.quantum()).after(QUANTUM).since(time);
         let b = &mut self.balls[ball];
+        arc.stamp = arc.stamp.wrapping_add(1);
         b.body.hold(&self.surface, (time, state), length, arc);
-        b.stamp = b.stamp.wrapping_add(1);
     }
 }

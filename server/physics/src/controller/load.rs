@@ -44,15 +44,17 @@ impl Controller {
             .collect();
         let radii: Vec<f64> = order.iter().map(|i| scene.balls[*i].radius).collect();
         let mut balls = Vec::with_capacity(order.len());
-        let mut arcs = vec![Arc::empty(); order.len()];
+        let mut arcs: Vec<Arc> = radii.iter().map(|radius| Arc::empty(*radius)).collect();
         for (index, arc) in order.iter().zip(&mut arcs) {
             let (ball, state) = set_down(scene, &surface, *index)?;
             ball.body.hold(&surface, (Time::ZERO, &state), 0.0, arc);
             arc.state = state;
             balls.push(ball);
         }
+        let bounds = extent(&patch);
         let mut controller = Self {
-            broad_phase: BroadPhase::new(&radii, extent(&patch)),
+            broad_phase: BroadPhase::new(&radii, bounds),
+            span: (bounds[2] - bounds[0]).max(bounds[3] - bounds[1]),
             queue: Queue::new(order.len()),
             states: vec![super::BallState::default(); order.len()],
             surface,
@@ -62,6 +64,7 @@ impl Controller {
             gravity: scene.gravity,
             restitution: scene.restitution,
             accuracy: scene.accuracy,
+            hit_budget: scene.hit_budget,
             balls,
             arcs,
             scene_index: order,
@@ -74,7 +77,7 @@ impl Controller {
         controller.check_room()?;
         for ball in 0..controller.balls.len() {
             let state = controller.arcs[ball].state;
-            controller.launch(ball, Time::ZERO, &state, None);
+            controller.launch(ball, Time::ZERO, &state);
         }
         for ball in 0..controller.balls.len() {
             controller.predict(ball);
@@ -145,6 +148,7 @@ fn check_numbers(scene: &Scene) -> Result<(), SceneFault> {
             number("accuracy".into(), h, (1e-6..=tolerance::STEP_MAX).contains(&h), want)?;
         }
     }
+    number("hit_budget".into(), f64::from(scene.hit_budget), scene.hit_budget > 0, "at least 1")?;
     for (i, wall) in scene.walls.iter().enumerate() {
         for x in wall.point.iter() {
             number(format!("walls[{i}].point"), *x, small(*x), "finite and of size at most 1e12")?;
@@ -287,8 +291,6 @@ fn set_down(scene: &Scene, surface: &Surface, index: usize) -> Result<(Ball, Sta
         mass: spec.mass,
         inverse_mass: 1.0 / ((1.0 + inertia_factor) * spec.mass),
         stepping: Stepping { try_s, steps: 0, forced: 0 },
-        window_end: Time::ZERO,
-        stamp: 0,
         drive: None,
         hits: 0,
         rest_hits: 0,

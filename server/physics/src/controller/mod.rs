@@ -7,12 +7,15 @@
 //! | what a ball will meet within its window | `predict` |
 //! | a hit | `collide` |
 //! | a push, a held force | `steer` |
-//! | what a tick shows: states, energy, hash | `observe` |
+//! | what a tick shows: states, energy | `observe` |
+//! | a run as words: saved, restored, hashed | `checkpoint`, `plain` |
 
 mod advance;
+pub mod checkpoint;
 mod collide;
 mod load;
 mod observe;
+mod plain;
 mod predict;
 mod steer;
 
@@ -67,10 +70,6 @@ struct Ball {
     /// 1/((1+k) m).
     inverse_mass: f64,
     stepping: Stepping,
-    /// End of the span over which the ball's future has been searched.
-    window_end: Time,
-    /// Changes whenever the arc does; predictions that carry an older one are void.
-    stamp: u32,
     drive: Option<Drive>,
     /// Hits in quantum `hits_quantum`, and the slow ones among them.
     hits: u32,
@@ -87,9 +86,12 @@ pub struct Controller {
     patch: BezierPatch,
     certificate: Certificate,
     walls: Vec<Plane>,
+    /// The longer side of the floor, m.
+    span: f64,
     gravity: Vector3<f64>,
     restitution: f64,
     accuracy: Accuracy,
+    hit_budget: u32,
     balls: Vec<Ball>,
     arcs: Vec<Arc>,
     broad_phase: BroadPhase,
@@ -143,13 +145,8 @@ impl Controller {
         &self.patch
     }
 
-    /// What is proved about the floor.
+    /// What loading proved about the floor; its reach no more narrowly than the scene's balls need. `certify` finds the rest.
     pub const fn certificate(&self) -> &Certificate {
         &self.certificate
-    }
-
-    /// Certified bracket of the floor's largest principal curvature towards the balls, 1/m.
-    pub const fn curvature_bracket(&self) -> [f64; 2] {
-        self.certificate.curvature
     }
 }

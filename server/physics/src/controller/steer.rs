@@ -56,7 +56,7 @@ impl Controller {
     }
 
     fn set_off(&mut self, ball: usize, state: &State) {
-        self.relaunch(ball, self.now, state, None);
+        self.relaunch(ball, self.now, state);
         self.predict(ball);
         self.observe();
     }
@@ -97,7 +97,7 @@ impl Controller {
     fn change_force(&mut self, ball: usize, time: Time, state: &State, applied: V3) {
         self.close_arc(ball, time);
         self.balls[ball].body.applied = applied;
-        self.launch(ball, time, state, None);
+        self.launch(ball, time, state);
         self.predict(ball);
     }
 

@@ -4,7 +4,7 @@ use super::root::{divide_by_x, first_descent, refine};
 use crate::motion::arc::{Arc, Path};
 use crate::motion::step::TERMS;
 use crate::schedule::time::Time;
-use crate::tolerance::{CLOSING_NOISE, CLOSING_NOISE_SPEED};
+use crate::tolerance::{ADVANCES_MAX, CLOSING_NOISE, CLOSING_NOISE_SPEED};
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -49,16 +49,86 @@ pub fn surely_apart(a: &Standing, b: &Standing, acceleration: f64, reach: f64, d
     (p + v * t).norm_squared() > wide * wide
 }
 
-/// Seconds after `from` until the distance of the centres falls to `reach`, within `duration`. Balls that
-/// overlap or touch count only if they approach; balls that part count only once they return.
-pub fn time_of_impact(a: &Arc, b: &Arc, from: Time, duration: f64, reach: f64) -> Option<f64> {
+/// Seconds after `from`, where the arcs stand at `now`, until the distance of the centres falls to `reach`, within
+/// `duration`. Balls that overlap or touch count only if they approach; balls that part count only once they return.
+///
+/// Straight motion is solved; elsewhere the balls first advance as far as they surely may, which finds or excludes
+/// most hits, and what is left (grazes, contacts) is isolated by Bernstein coefficients.
+pub fn time_of_impact(
+    (a, b): (&Arc, &Arc),
+    now: (&Standing, &Standing),
+    from: Time,
+    duration: f64,
+    reach: f64,
+) -> Option<f64> {
     let both_parabolas = a.path != Path::Curved && b.path != Path::Curved;
     if both_parabolas && a.center[2] / (a.scale * a.scale) == b.center[2] / (b.scale * b.scale) {
-        let (a, b) = (Standing::of(a, from), Standing::of(b, from));
-        let noise = closing_noise(a.velocity.norm() + b.velocity.norm(), 1.0);
-        return straight(b.center - a.center, b.velocity - a.velocity, noise, reach)
+        let noise = closing_noise(now.0.velocity.norm() + now.1.velocity.norm(), 1.0);
+        return straight(now.1.center - now.0.center, now.1.velocity - now.0.velocity, noise, reach)
             .filter(|t| *t <= duration);
     }
+    match advance_surely((a, b), now, from, duration, reach) {
+        Advance::Hit(t) => Some(t),
+        Advance::Apart => None,
+        Advance::Unclear => isolate(a, b, from, duration, reach),
+    }
+}
+
+/// What sure advances have found.
+enum Advance {
+    /// The hit.
+    Hit(f64),
+    /// There is none.
+    Apart,
+    /// Nothing within [`ADVANCES_MAX`].
+    Unclear,
+}
+
+/// Conservative advancement: under a bound A of the relative acceleration, and since the distance along a straight line is
+/// convex, distance(t) >= distance - closing t - A t^2/2. The root of the right side is passed by no hit, and from
+/// this side it is Newton's method: quadratic unless the balls graze.
+fn advance_surely(
+    (a, b): (&Arc, &Arc),
+    now: (&Standing, &Standing),
+    from: Time,
+    duration: f64,
+    reach: f64,
+) -> Advance {
+    let acceleration = a.acceleration_bound + b.acceleration_bound;
+    let (begin_a, begin_b) = (from.since(a.start), from.since(b.start));
+    let (mut p, mut v) = (now.1.center - now.0.center, now.1.velocity - now.0.velocity);
+    // First as far as straight motion goes with all the acceleration of the window against it.
+    let wide = reach + 0.5 * acceleration * duration * duration;
+    let mut t = straight(p, v, 0.0, wide).unwrap_or(0.0);
+    if t > 0.0 {
+        p = b.center_at(begin_b + t) - a.center_at(begin_a + t);
+        v = b.velocity_at(begin_b + t) - a.velocity_at(begin_a + t);
+    }
+    for _ in 0..ADVANCES_MAX {
+        let distance = p.norm();
+        let gap = distance - reach;
+        let closing = -p.dot(&v) / distance;
+        if gap <= 0.0 {
+            // Passed by rounding alone, unless the search began in contact.
+            return if t > 0.0 && closing > 0.0 { Advance::Hit(t) } else { Advance::Unclear };
+        }
+        let pace = closing + (closing * closing + 2.0 * acceleration * gap).sqrt();
+        let step = 2.0 * gap / pace;
+        if pace <= 0.0 || t + step > duration {
+            return Advance::Apart;
+        }
+        if t + step == t {
+            return Advance::Hit(t);
+        }
+        t += step;
+        p = b.center_at(begin_b + t) - a.center_at(begin_a + t);
+        v = b.velocity_at(begin_b + t) - a.velocity_at(begin_a + t);
+    }
+    Advance::Unclear
+}
+
+/// The first root of the squared distance less the squared reach, a polynomial of degree 14.
+fn isolate(a: &Arc, b: &Arc, from: Time, duration: f64, reach: f64) -> Option<f64> {
     let (pa, pb) = (window_polynomial(a, from, duration), window_polynomial(b, from, duration));
     let d: [V3; TERMS] = std::array::from_fn(|k| pb[k] - pa[k]);
     let mut f = squared_distance(&d);

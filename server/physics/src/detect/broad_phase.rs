@@ -1,22 +1,32 @@
 //! Whom a ball could meet within its window: grids of cells, one grid for each class of radii.
 //!
 //! A ball is filed under one cell of its class's grid, the cell of the middle of its swept bounds. Windows end
-//! before a ball has travelled [`WINDOW_TRAVEL`] radii, so the bounds of every ball of a class reach no
-//! farther than a fixed distance from its cell, and a search knows which cells to visit.
+//! before a ball has travelled farther than [`travel`], so the bounds of every ball of a class reach no farther than a
+//! fixed distance from its cell, and a search knows which cells to visit. The grid's plane is rolled up to a torus of a
+//! few cells a ball: memory goes with the balls, cells with their radii, and neither with the size of the floor.
 
-use crate::tolerance::WINDOW_TRAVEL;
+use crate::tolerance::{GRID_CELL_RADII, GRID_CELLS_PER_BALL, WINDOW_FLOOR_SHARE, WINDOW_TRAVEL};
 use nalgebra::Vector3;
 
 const NOBODY: u32 = u32::MAX;
+/// The cell of a ball whose bounds are wider than its class allows: everybody looks there.
+const WIDE: u32 = u32::MAX - 1;
 
 /// Swept bounds of a ball over its window: low x, low y, high x, high y, m.
 pub type Bounds = [f64; 4];
+
+/// How far a ball of `radius` may travel within a window, m, on a floor whose longer side is `span` m. It depends on the
+/// ball and the floor alone: a ball that nobody meets cannot change another's windows.
+pub fn travel(radius: f64, span: f64) -> f64 {
+    (WINDOW_TRAVEL * radius).max(WINDOW_FLOOR_SHARE * span)
+}
 
 /// Cells of balls whose radii lie within a factor of two.
 #[derive(Clone, Debug)]
 struct Grid {
     origin: [f64; 2],
-    cells: [usize; 2],
+    /// Cells along x and y: powers of two.
+    cells: [i64; 2],
     inverse_size: f64,
     /// How far bounds reach from the middle, m.
     extent: f64,
@@ -27,6 +37,7 @@ struct Grid {
 #[derive(Clone, Debug)]
 pub struct BroadPhase {
     grids: Vec<Grid>,
+    wide: u32,
     class: Vec<u8>,
     cell: Vec<u32>,
     next: Vec<u32>,
@@ -64,6 +75,7 @@ impl BroadPhase {
         let n = radii.len();
         Self {
             grids,
+            wide: NOBODY,
             class: radii.iter().map(|r| grid_of_class[usize::from(class_of(*r))]).collect(),
             cell: vec![NOBODY; n],
             next: vec![NOBODY; n],
@@ -75,22 +87,32 @@ impl BroadPhase {
     /// Files `ball` under new bounds.
     pub fn file(&mut self, ball: usize, bounds: Bounds) {
         self.bounds[ball] = bounds;
-        let grid = &self.grids[usize::from(self.class[ball])];
-        let middle = [0.5 * (bounds[0] + bounds[2]), 0.5 * (bounds[1] + bounds[3])];
-        let [i, j] = [grid.index(0, middle[0]), grid.index(1, middle[1])];
-        let cell = (j * grid.cells[0] + i) as u32;
+        let cell = self.grids[usize::from(self.class[ball])].cell_of(&bounds);
         if self.cell[ball] == cell {
             return;
         }
         self.unlink(ball);
-        let head = &mut self.grids[usize::from(self.class[ball])].first[cell as usize];
-        self.next[ball] = *head;
+        let head = self.head(ball, cell);
+        let second = std::mem::replace(head, ball as u32);
+        self.next[ball] = second;
         self.previous[ball] = NOBODY;
-        if *head != NOBODY {
-            self.previous[*head as usize] = ball as u32;
+        if second != NOBODY {
+            self.previous[second as usize] = ball as u32;
         }
-        *head = ball as u32;
         self.cell[ball] = cell;
+    }
+
+    /// Bounds that `ball` is filed under.
+    pub fn bounds_of(&self, ball: usize) -> &Bounds {
+        &self.bounds[ball]
+    }
+
+    /// The first ball of a cell in the grid of `ball`.
+    fn head(&mut self, ball: usize, cell: u32) -> &mut u32 {
+        if cell == WIDE {
+            return &mut self.wide;
+        }
+        &mut self.grids[usize::from(self.class[ball])].first[cell as usize]
     }
 
     fn unlink(&mut self, ball: usize) {
@@ -102,7 +124,7 @@ impl BroadPhase {
             self.previous[next as usize] = previous;
         }
         if previous == NOBODY {
-            self.grids[usize::from(self.class[ball])].first[self.cell[ball] as usize] = next;
+            *self.head(ball, self.cell[ball]) = next;
         } else {
             self.next[previous as usize] = next;
         }
@@ -112,50 +134,97 @@ impl BroadPhase {
     pub fn neighbours(&self, ball: usize, mut visit: impl FnMut(usize)) {
         let mine = self.bounds[ball];
         for grid in &self.grids {
-            let [i0, i1] = [grid.index(0, mine[0] - grid.extent), grid.index(0, mine[2] + grid.extent)];
-            let [j0, j1] = [grid.index(1, mine[1] - grid.extent), grid.index(1, mine[3] + grid.extent)];
+            let [(i0, i1), (j0, j1)] = [0, 1].map(|axis| {
+                let low = grid.index(axis, mine[axis] - grid.extent);
+                let high = grid.index(axis, mine[axis + 2] + grid.extent);
+                // Once around the torus is everywhere.
+                (low, high.min(low.saturating_add(grid.cells[axis] - 1)))
+            });
             for j in j0..=j1 {
-                for first in &grid.first[j * grid.cells[0] + i0..=j * grid.cells[0] + i1] {
-                    let mut other = *first;
-                    while other != NOBODY {
-                        let theirs = &self.bounds[other as usize];
-                        let apart = theirs[0] > mine[2]
-                            || mine[0] > theirs[2]
-                            || theirs[1] > mine[3]
-                            || mine[1] > theirs[3];
-                        if !apart && other as usize != ball {
-                            visit(other as usize);
+                for part in grid.row(j, i0, i1) {
+                    for first in part {
+                        let mut other = *first;
+                        while other != NOBODY {
+                            if other as usize != ball && meet(&mine, &self.bounds[other as usize]) {
+                                visit(other as usize);
+                            }
+                            other = self.next[other as usize];
                         }
-                        other = self.next[other as usize];
                     }
                 }
             }
         }
+        if self.wide != NOBODY {
+            self.visit_wide(ball, &mut visit);
+        }
     }
+
+    #[cold]
+    fn visit_wide(&self, ball: usize, visit: &mut dyn FnMut(usize)) {
+        let mut other = self.wide;
+        while other != NOBODY {
+            if other as usize != ball && meet(&self.bounds[ball], &self.bounds[other as usize]) {
+                visit(other as usize);
+            }
+            other = self.next[other as usize];
+        }
+    }
+}
+
+/// Whether two bounds share a point.
+#[inline]
+fn meet(a: &Bounds, b: &Bounds) -> bool {
+    a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
 }
 
 impl Grid {
     fn new(count: usize, largest: f64, floor: Bounds) -> Self {
-        let extent = (1.0 + WINDOW_TRAVEL) * largest;
         let span = [floor[2] - floor[0], floor[3] - floor[1]];
-        // No more cells than a few for each ball, no smaller than two radii of the largest.
-        let by_count = (span[0] * span[1] / (2.0 * count as f64 + 1.0)).sqrt();
-        let size = by_count.max(2.0 * largest).max(1e-3 * span[0].max(span[1]) / 4.0);
-        let cells = span.map(|s| ((s / size).ceil() as usize).clamp(1, 4096));
+        let extent = largest + travel(largest, span[0].max(span[1]));
+        // A cell a ball or so where they are spread, and never so fine or coarse that a search visits many cells or balls.
+        let spread = (span[0] * span[1] / (2.0 * count as f64 + 1.0)).sqrt();
+        let [fine, coarse] = GRID_CELL_RADII.map(|radii| radii * extent);
+        let size = spread.clamp(fine, coarse);
+        let most = (GRID_CELLS_PER_BALL * count).next_power_of_two() as f64;
+        let needed = span.map(|s| (s / size).ceil().max(1.0));
+        let columns = needed[0].min((most * needed[0] / needed[1]).sqrt().clamp(1.0, most));
+        let rows = needed[1].min(most / columns);
+        let cells = [columns, rows].map(|x| (x as i64).max(1).unsigned_abs().next_power_of_two());
         Self {
             origin: [floor[0], floor[1]],
-            cells,
+            cells: cells.map(u64::cast_signed),
             inverse_size: 1.0 / size,
             extent,
-            first: vec![NOBODY; cells[0] * cells[1]],
+            first: vec![NOBODY; (cells[0] * cells[1]) as usize],
         }
     }
 
+    /// Number of the column or row at x or y, before the plane is rolled up.
     #[inline]
-    fn index(&self, axis: usize, x: f64) -> usize {
-        // Casting saturates: what lies outside is filed in the border cells.
-        let cell = ((x - self.origin[axis]) * self.inverse_size) as usize;
-        cell.min(self.cells[axis] - 1)
+    fn index(&self, axis: usize, x: f64) -> i64 {
+        let place = (x - self.origin[axis]) * self.inverse_size;
+        let toward_zero = place as i64;
+        toward_zero - i64::from(place < toward_zero as f64)
+    }
+
+    /// Cells `i0` to `i1` of row `j`, at most once around: up to two runs.
+    #[inline]
+    fn row(&self, j: i64, i0: i64, i1: i64) -> [&[u32]; 2] {
+        let from = ((j & (self.cells[1] - 1)) * self.cells[0]) as usize;
+        let row = &self.first[from..from + self.cells[0] as usize];
+        let [low, high] = [i0, i1].map(|i| (i & (self.cells[0] - 1)) as usize);
+        if low <= high { [&row[low..=high], &[]] } else { [&row[low..], &row[..=high]] }
+    }
+
+    fn cell_of(&self, bounds: &Bounds) -> u32 {
+        let half = [0.5 * (bounds[2] - bounds[0]), 0.5 * (bounds[3] - bounds[1])];
+        // A NaN is wide too.
+        if !(half[0] <= self.extent && half[1] <= self.extent) {
+            return WIDE;
+        }
+        let [i, j] = [0, 1]
+            .map(|axis| self.index(axis, 0.5 * (bounds[axis] + bounds[axis + 2])) & (self.cells[axis] - 1));
+        (j * self.cells[0] + i) as u32
     }
 }
 
@@ -182,34 +251,79 @@ pub fn swept_bounds(
 mod tests {
     use super::*;
 
-    #[test]
-    fn neighbours_are_those_of_a_search_over_all_pairs() {
-        let mut seed = 7_u64;
+    /// Files `radii` at random places of a floor again and again, and compares with a search over all pairs.
+    fn assert_all_found(radii: &[f64], floor: Bounds, crowd: f64, fastest: f64, seed: u64) -> usize {
+        let mut seed = seed;
         let mut random = || {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (seed >> 11) as f64 / (1_u64 << 53) as f64
         };
-        let radii: Vec<f64> =
-            (0..300).map(|i| if i % 50 == 0 { 0.5 } else { 0.002 + 0.03 * random() }).collect();
-        let mut phase = BroadPhase::new(&radii, [-2.0, -1.0, 2.0, 1.0]);
+        let mut phase = BroadPhase::new(radii, floor);
+        let [wide, deep] = [floor[2] - floor[0], floor[3] - floor[1]];
         let mut bounds = vec![[0.0; 4]; radii.len()];
+        let mut meetings = 0;
         for round in 0..5 {
             for (i, r) in radii.iter().enumerate() {
-                let c = Vector3::new(4.4 * random() - 2.2, 2.2 * random() - 1.1, 0.0);
+                // Some stand outside.
+                let [x, y] = [random() * 1.1 - 0.05, random() * 1.1 - 0.05].map(|x| x * crowd);
+                let c = Vector3::new(floor[0] + wide * x, floor[1] + deep * y, 0.0);
                 let v = Vector3::new(random() - 0.5, random() - 0.5, 0.0);
-                bounds[i] = swept_bounds(&c, &v, 0.0, *r, WINDOW_TRAVEL * r / v.norm());
+                let far = travel(*r, wide.max(deep)) * if i % 100 == 0 { fastest } else { 1.0 };
+                bounds[i] = swept_bounds(&c, &v, 0.0, *r, far / v.norm());
                 phase.file(i, bounds[i]);
             }
-            for i in (0..radii.len()).step_by(7) {
+            for i in 0..radii.len() {
                 let mut found = Vec::new();
                 phase.neighbours(i, |j| found.push(j));
                 found.sort_unstable();
-                let meet =
-                    |a: &Bounds, b: &Bounds| a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3];
                 let want: Vec<usize> =
                     (0..radii.len()).filter(|j| *j != i && meet(&bounds[i], &bounds[*j])).collect();
                 assert_eq!(found, want, "round {round}, ball {i}");
+                meetings += found.len();
             }
         }
+        meetings
+    }
+
+    #[test]
+    fn neighbours_are_those_of_a_search_over_all_pairs() {
+        let hall = [-2.0, -1.0, 2.0, 1.0];
+        let spread = |least: f64, most: f64, count: usize| -> Vec<f64> {
+            // Even in the logarithm.
+            (0..count).map(|i| least * (most / least).powf((i * 7 % count) as f64 / count as f64)).collect()
+        };
+        for (seed, count) in [(1, 1), (2, 2), (3, 10), (4, 100), (5, 1000)] {
+            let met = assert_all_found(&spread(0.03, 0.03, count), hall, 1.0, 1.0, seed);
+            assert!(met > 0 || count < 100);
+            // 1000 : 1 in one room.
+            assert_all_found(&spread(0.001, 1.0, count), hall, 1.0, 1.0, seed + 10);
+            // A crowd in a corner of a vast floor, and a long thin one.
+            assert_all_found(&spread(0.02, 0.05, count), [0.0, 0.0, 1e4, 1e4], 1e-4, 1.0, seed + 20);
+            assert_all_found(&spread(0.02, 0.05, count), [-500.0, 0.0, 500.0, 0.2], 0.05, 1.0, seed + 30);
+            // Bounds wider than any window should be.
+            assert_all_found(&spread(0.001, 0.01, count), hall, 1.0, 300.0, seed + 40);
+        }
+    }
+
+    #[test]
+    fn a_search_looks_at_few_whatever_the_floor() {
+        // 4 000 balls in a corner of a floor a thousand times as wide: lists stay as short as on a floor of their own.
+        let radii = vec![0.05; 4000];
+        let longest = |floor: f64| {
+            let mut phase = BroadPhase::new(&radii, [0.0, 0.0, floor, floor]);
+            for i in 0..radii.len() {
+                let (x, y) = ((i % 64) as f64 * 0.2, (i / 64) as f64 * 0.2);
+                phase.file(i, [x - 0.05, y - 0.05, x + 0.05, y + 0.05]);
+            }
+            let length = |first: &u32| {
+                let (mut length, mut ball) = (0, *first);
+                while ball != NOBODY {
+                    (length, ball) = (length + 1, phase.next[ball as usize]);
+                }
+                length
+            };
+            phase.grids[0].first.iter().map(length).max().unwrap_or(0)
+        };
+        assert!(longest(12.8) <= 4 && longest(12_800.0) <= 16, "{} {}", longest(12.8), longest(12_800.0));
     }
 }

@@ -5,12 +5,12 @@
 
 use super::body::Body;
 use super::law::{ROLLING, SLIDING, State, velocity};
-use super::rotation;
+use super::rotation::Turning;
 use super::step::{REACTION_AT, Step, TERMS};
 use crate::scene::Accuracy;
 use crate::schedule::time::Time;
 use crate::surface::chart::Surface;
-use crate::tolerance::SANE;
+use crate::tolerance::{self, SANE};
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -27,56 +27,65 @@ pub enum Path {
 }
 
 /// A ball's path from `start` for `length` seconds.
+///
+/// What other balls ask of it stands first, in four lines of cache: a search through neighbours reads nothing else.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
 pub struct Arc {
     /// When it begins.
     pub start: Time,
-    /// How long it is valid, s; infinite for a parabola.
-    pub length: f64,
+    /// End of the span over which the ball's future has been searched.
+    pub window_end: Time,
     /// Seconds per unit of theta.
     pub scale: f64,
+    /// Radius of the ball, m.
+    pub radius: f64,
+    /// Bound of the centre's acceleration, m/s^2.
+    pub acceleration_bound: f64,
+    /// Changes whenever the path does; predictions that carry an older one are void.
+    pub stamp: u32,
     /// What kind.
     pub path: Path,
+    /// Centre in powers of theta.
+    pub center: [V3; TERMS],
+    /// How long it is valid, s; infinite for a parabola.
+    pub length: f64,
     /// State at the start.
     pub state: State,
     /// Slope at the start (curved arcs only).
     pub slope: State,
-    /// Centre in powers of theta.
-    pub center: [V3; TERMS],
     /// State in powers of theta (curved arcs only).
     pub dense: [State; TERMS],
-    /// State and slope at the end (curved arcs only).
-    pub end: [State; 2],
-    /// Orientation at the start, ball to world: x, y, z, w.
-    pub orientation: [f64; 4],
-    /// Integral of the angular velocity in powers of theta, rad; zero when sliding.
-    pub turn: [V3; TERMS],
-    /// Largest piece in which a turn is followed, rad.
-    pub turn_angle: f64,
+    /// State at the end (curved arcs only).
+    pub end: State,
+    /// The orientation and its course.
+    pub turning: Turning,
     /// Floor reaction per mass at [`REACTION_AT`], m/s^2.
     pub reaction: [f64; 3],
-    /// Bound of the centre's acceleration, m/s^2.
-    pub acceleration_bound: f64,
 }
 
+/// What a search reads of an arc fits in four lines.
+const _: () = assert!(std::mem::offset_of!(Arc, length) <= 256 + 8);
+
 impl Arc {
-    /// An arc that holds nothing yet.
-    pub const fn empty() -> Self {
+    /// An arc of a ball of `radius` that holds nothing yet.
+    pub const fn empty(radius: f64) -> Self {
         Self {
             start: Time::ZERO,
-            length: 0.0,
+            window_end: Time::ZERO,
             scale: 1.0,
+            radius,
+            acceleration_bound: 0.0,
+            stamp: 0,
             path: Path::Held,
+            length: 0.0,
             state: [0.0; ROLLING],
             slope: [0.0; ROLLING],
             center: [V3::new(0.0, 0.0, 0.0); TERMS],
             dense: [[0.0; ROLLING]; TERMS],
-            end: [[0.0; ROLLING]; 2],
-            orientation: [0.0, 0.0, 0.0, 1.0],
-            turn: [V3::new(0.0, 0.0, 0.0); TERMS],
-            turn_angle: 1.0,
+            end: [0.0; ROLLING],
+            turning: Turning::STILL,
             reaction: [0.0; 3],
-            acceleration_bound: 0.0,
         }
     }
 
@@ -161,15 +170,15 @@ impl Arc {
     }
 
     /// Orientation `dt` seconds after the start.
-    pub fn orientation_at(&self, dt: f64) -> [f64; 4] {
-        rotation::follow(self.orientation, &self.turn, dt / self.scale, self.turn_angle)
+    pub fn orientation_at(&mut self, dt: f64) -> [f64; 4] {
+        self.turning.at(dt / self.scale)
     }
 
     /// Whether every number of a launched arc is finite and of a size that can be worked with.
     pub fn is_sane(&self) -> bool {
         let fine = |x: &f64| x.abs() <= SANE;
         let centers = self.center.iter().all(|c| c.iter().all(fine));
-        let (state, ends) = (&self.state, self.end.iter().flatten());
+        let (state, ends) = (&self.state, self.end.iter());
         centers && state.iter().all(fine) && (self.path != Path::Curved || ends.into_iter().all(fine))
     }
 
@@ -194,16 +203,23 @@ impl Arc {
     }
 
     /// Takes over an integration step of `h` seconds.
-    pub(super) fn fill<const D: usize>(&mut self, h: f64, step: &Step<D>) {
+    pub(super) fn fill<const D: usize>(
+        &mut self,
+        h: f64,
+        slope: &[f64; D],
+        step: &Step<D>,
+        accuracy: Accuracy,
+    ) {
         self.path = Path::Curved;
         self.length = h;
         self.scale = h;
-        self.end = [widen(&step.end), widen(&step.slope_end)];
+        self.slope = widen(slope);
+        self.end = widen(&step.end);
         for (row, from) in self.dense.iter_mut().zip(&step.dense) {
             *row = widen(from);
         }
         self.center = step.center;
-        self.turn = step.turn;
+        self.turning.begin(step.turn, tolerance::turn_left_out(accuracy));
         self.reaction = step.reaction;
         let bound: f64 =
             step.center.iter().enumerate().skip(2).map(|(k, c)| (k * (k - 1)) as f64 * c.norm()).sum();

@@ -2,7 +2,7 @@
 
 use super::arc::{Arc, Path, narrow, widen};
 use super::dop853;
-use super::law::{Law, ROLLING, SLIDING, State, angular_velocity, velocity};
+use super::law::{Law, ROLLING, SLIDING, Stand, State, angular_velocity, velocity};
 use super::low_order;
 use super::step::{Step, TERMS};
 use crate::scene::{Accuracy, Scheme};
@@ -88,37 +88,37 @@ impl Body {
         })
     }
 
-    /// The arc from `state` at `start`. A `slope` known to be exact saves an evaluation.
+    /// The arc from `state` at `start`.
     pub fn launch(
         &self,
         surface: &Surface,
         accuracy: Accuracy,
-        (start, state, slope): (Time, &State, Option<&State>),
+        (start, state): (Time, &State),
         stepping: &mut Stepping,
         arc: &mut Arc,
     ) {
         arc.start = start;
         arc.state = *state;
-        arc.turn_angle = tolerance::turn_angle(accuracy);
         if surface.is_flat() {
-            self.launch_parabola(surface, arc);
+            self.launch_parabola(surface, accuracy, arc);
             return;
         }
-        arc.slope = slope.copied().unwrap_or_else(|| self.slope(surface, state));
         with_chart!(&surface.kernel, chart => {
             let law = self.law(chart);
             if self.rolls {
-                let (h, step) = step_by::<ROLLING, _>(&law, accuracy, &arc.state, &arc.slope, stepping);
-                arc.fill(h, &step);
+                let first = law.stand(state);
+                let (h, step) = step_by::<ROLLING, _>(&law, accuracy, state, &first, stepping);
+                arc.fill(h, &first.slope.rate, &step, accuracy);
             } else {
-                let (y, s) = (narrow(&arc.state), narrow(&arc.slope));
-                let (h, step) = step_by::<SLIDING, _>(&law, accuracy, &y, &s, stepping);
-                arc.fill(h, &step);
+                let y = narrow::<SLIDING>(state);
+                let first = law.stand(&y);
+                let (h, step) = step_by::<SLIDING, _>(&law, accuracy, &y, &first, stepping);
+                arc.fill(h, &first.slope.rate, &step, accuracy);
             }
         });
     }
 
-    fn launch_parabola(&self, surface: &Surface, arc: &mut Arc) {
+    fn launch_parabola(&self, surface: &Surface, accuracy: Accuracy, arc: &mut Arc) {
         let (center, n) = self.seat(surface, &arc.state);
         let acceleration = (self.applied - n * self.applied.dot(&n)) * (1.0 / (1.0 + self.inertia_factor));
         arc.path = Path::Parabola;
@@ -131,9 +131,10 @@ impl Body {
         arc.acceleration_bound = acceleration.norm();
         arc.reaction = [-self.applied.dot(&n); 3];
         if self.rolls {
-            arc.turn = [V3::zeros(); TERMS];
-            arc.turn[1] = angular_velocity(&n, &arc.center[1], arc.state[5], self.radius);
-            arc.turn[2] = n.cross(&acceleration) * (0.5 / self.radius);
+            let mut turn = [V3::zeros(); TERMS];
+            turn[1] = angular_velocity(&n, &arc.center[1], arc.state[5], self.radius);
+            turn[2] = n.cross(&acceleration) * (0.5 / self.radius);
+            arc.turning.begin(turn, tolerance::turn_left_out(accuracy));
             // Orientation under force is a quadrature from the start of the arc; keep it short.
             if arc.acceleration_bound > 0.0 {
                 arc.length = tolerance::TURN_MAX;
@@ -152,8 +153,9 @@ impl Body {
         arc.center = [V3::zeros(); TERMS];
         let (center, n) = self.seat(surface, state);
         arc.center[0] = center;
-        arc.turn = [V3::zeros(); TERMS];
-        arc.turn[1] = angular_velocity(&n, &V3::zeros(), state[5], self.radius);
+        let mut turn = [V3::zeros(); TERMS];
+        turn[1] = angular_velocity(&n, &V3::zeros(), state[5], self.radius);
+        arc.turning.begin(turn, tolerance::TURN_LEAST);
         arc.acceleration_bound = 0.0;
     }
 }
@@ -180,7 +182,7 @@ fn step_by<const D: usize, C: Chart>(
     law: &Law<'_, C>,
     accuracy: Accuracy,
     y: &[f64; D],
-    slope: &[f64; D],
+    first: &Stand<D>,
     stepping: &mut Stepping,
 ) -> (f64, Step<D>) {
     let tolerance = match accuracy {
@@ -188,9 +190,9 @@ fn step_by<const D: usize, C: Chart>(
         Accuracy::Fixed(scheme, h) => {
             stepping.steps += 1;
             let step = match scheme {
-                Scheme::Rk4 => low_order::rk4_step(law, y, slope, h),
-                Scheme::Tsit5 => low_order::tsit5_step(law, y, slope, h),
-                Scheme::Dop853 => dop853::step(law, y, slope, h, f64::INFINITY).unwrap_or_else(not_finite),
+                Scheme::Rk4 => low_order::rk4_step(law, y, first, h),
+                Scheme::Tsit5 => low_order::tsit5_step(law, y, first, h),
+                Scheme::Dop853 => dop853::step(law, y, first, h, f64::INFINITY).unwrap_or_else(not_finite),
             };
             return (h, step);
         }
@@ -200,7 +202,7 @@ fn step_by<const D: usize, C: Chart>(
         stepping.steps += 1;
         let smallest = h <= tolerance::STEP_MIN;
         let allowed = if smallest { f64::INFINITY } else { tolerance::allowed_error(tolerance, h) };
-        if let Some(step) = dop853::step(law, y, slope, h, allowed) {
+        if let Some(step) = dop853::step(law, y, first, h, allowed) {
             stepping.forced += u64::from(step.error > tolerance::allowed_error(tolerance, h));
             let room = step.error * tolerance::GROWTH_OF_DOUBLING <= tolerance::allowed_error(tolerance, h);
             if room && h < tolerance::STEP_MAX {
@@ -219,7 +221,6 @@ fn step_by<const D: usize, C: Chart>(
 fn not_finite<const D: usize>() -> Step<D> {
     Step {
         end: [f64::NAN; D],
-        slope_end: [f64::NAN; D],
         error: f64::NAN,
         dense: [[f64::NAN; D]; TERMS],
         center: [V3::repeat(f64::NAN); TERMS],

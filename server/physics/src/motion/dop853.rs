@@ -1,11 +1,10 @@
 //! Dormand and Prince 8(5,3): one step of order 8 with a dense output of order 7.
 //!
-//! Twelve stages, of which the first is the previous step's last, one slope at the end and three more for the
-//! dense output. The centre's polynomial and the angle turned come from the same formula, since the stages'
+//! Twelve stages, one slope at the end and three more for the dense output. The centre's polynomial and the angle turned come from the same formula, since the stages'
 //! velocities are the slopes of the centre and of the angle; the centre's ends are set to the exact ones.
 
 use super::dop853_tableau::{A, B, D as DENSE, E3, E5, STAGES, STAGES_DENSE};
-use super::law::{Law, ROLLING, Slope, angular_velocity, velocity};
+use super::law::{Law, ROLLING, Slope, Stand, angular_velocity, velocity};
 use super::step::{Step, TERMS, combine};
 use crate::surface::chart::{Chart, Frame};
 use nalgebra::Vector3;
@@ -100,27 +99,25 @@ pub fn land<const D: usize, C: Chart>(
 pub fn step<const D: usize, C: Chart>(
     law: &Law<'_, C>,
     y: &[f64; D],
-    slope: &[f64; D],
+    first: &Stand<D>,
     h: f64,
     allowed: f64,
 ) -> Option<Step<D>> {
-    let (mut s, end) = advance(law, y, slope, h);
+    let (mut s, end) = advance(law, y, &first.slope.rate, h);
     let error = error_estimate(law, y, h, &s.slope);
     // A NaN is refused too.
     if error.is_nan() || error > allowed {
         return None;
     }
-    let last = law.slope(&end);
-    s.enter(12, &end, law.radius, &last);
+    let last = law.stand(&end);
+    s.enter(12, &end, law.radius, &last.slope);
     stage!(s, law, y, h, 13; 0 6 7 8 9 10 11 12);
     stage!(s, law, y, h, 14; 0 5 6 7 10 11 12 13);
     let reaction_inside = stage!(s, law, y, h, 15; 0 5 6 7 8 12 13 14);
-    let first = law.slope(y);
-    s.enter(0, y, law.radius, &first);
+    s.enter(0, y, law.radius, &first.slope);
     let rise = std::array::from_fn(|i| end[i] - y[i]);
     let dense = dense_output(h, y, &rise, &s.slope);
-    let (c0, c1) = (law.center(y), law.center(&end));
-    let center = dense_path(h, c0, c1 - c0, &s.velocity);
+    let center = dense_path(h, first.center, last.center - first.center, &s.velocity);
     let mut turn = [V3::zeros(); TERMS];
     if D == ROLLING {
         let rise =
@@ -129,12 +126,11 @@ pub fn step<const D: usize, C: Chart>(
     }
     Some(Step {
         end,
-        slope_end: last.rate,
         error,
         dense,
         center,
         turn,
-        reaction: [first.reaction, reaction_inside, last.reaction],
+        reaction: [first.slope.reaction, reaction_inside, last.slope.reaction],
     })
 }
 

@@ -52,6 +52,15 @@ pub struct Slope<const D: usize> {
     pub normal: V3,
 }
 
+/// Where a step begins or ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Stand<const D: usize> {
+    /// The right-hand side there.
+    pub slope: Slope<D>,
+    /// The ball's centre, m.
+    pub center: V3,
+}
+
 /// One ball's right-hand side.
 #[derive(Clone, Copy, Debug)]
 pub struct Law<'a, C> {
@@ -69,8 +78,20 @@ impl<C: Chart> Law<'_, C> {
     /// The right-hand side at a state of `D` numbers.
     #[inline]
     pub fn slope<const D: usize>(&self, y: &[f64; D]) -> Slope<D> {
-        let w = velocity(y);
+        self.slope_in(&self.chart.frame([y[0], y[1]]), y)
+    }
+
+    /// The right-hand side and the ball's centre.
+    #[inline]
+    pub fn stand<const D: usize>(&self, y: &[f64; D]) -> Stand<D> {
         let frame = self.chart.frame([y[0], y[1]]);
+        let slope = self.slope_in(&frame, y);
+        Stand { slope, center: frame.point() + slope.normal * self.radius }
+    }
+
+    #[inline]
+    fn slope_in<const D: usize>(&self, frame: &C::Frame, y: &[f64; D]) -> Slope<D> {
+        let w = velocity(y);
         let n = frame.normal();
         let r = self.radius;
         let [e, f, g] = frame.first();
@@ -106,12 +127,5 @@ impl<C: Chart> Law<'_, C> {
         // n.(w x n') = -w.(n x n')
         out[5] = -w.dot(&across);
         Slope { rate: out, reaction, normal: n }
-    }
-
-    /// The ball's centre, m.
-    #[inline]
-    pub fn center<const D: usize>(&self, y: &[f64; D]) -> V3 {
-        let frame = self.chart.frame([y[0], y[1]]);
-        frame.point() + frame.normal() * self.radius
     }
 }

@@ -3,7 +3,7 @@
 //! They are here to be compared with. Tsitouras' coefficients and interpolant: Ch. Tsitouras, "Runge-Kutta
 //! pairs of order 5(4) satisfying only the first column simplifying assumption", Comput. Math. Appl. 62 (2011).
 
-use super::law::{Law, ROLLING, angular_velocity, velocity};
+use super::law::{Law, ROLLING, Stand, angular_velocity, velocity};
 use super::step::{Step, TERMS, combine, cubic_hermite, quintic_hermite};
 use crate::surface::chart::Chart;
 use nalgebra::Vector3;
@@ -19,9 +19,14 @@ pub fn rk4_land<const D: usize, C: Chart>(law: &Law<'_, C>, y: &[f64; D], k1: &[
 }
 
 /// The classical scheme: a whole step with a cubic inside.
-pub fn rk4_step<const D: usize, C: Chart>(law: &Law<'_, C>, y: &[f64; D], k1: &[f64; D], h: f64) -> Step<D> {
-    let end = rk4_land(law, y, k1, h);
-    finish(law, y, k1, h, end, None)
+pub fn rk4_step<const D: usize, C: Chart>(
+    law: &Law<'_, C>,
+    y: &[f64; D],
+    first: &Stand<D>,
+    h: f64,
+) -> Step<D> {
+    let end = rk4_land(law, y, &first.slope.rate, h);
+    finish(law, y, first, h, end, None)
 }
 
 /// Stages 1 to 5 of Tsitouras' scheme.
@@ -96,11 +101,11 @@ pub fn tsit5_land<const D: usize, C: Chart>(
 pub fn tsit5_step<const D: usize, C: Chart>(
     law: &Law<'_, C>,
     y: &[f64; D],
-    k1: &[f64; D],
+    first: &Stand<D>,
     h: f64,
 ) -> Step<D> {
-    let (k, end) = tsit5_stages(law, y, k1, h);
-    finish(law, y, k1, h, end, Some(&k))
+    let (k, end) = tsit5_stages(law, y, &first.slope.rate, h);
+    finish(law, y, first, h, end, Some(&k))
 }
 
 /// `b_i(theta)` of the interpolant in powers theta^1 to theta^4, expanded from its published factors.
@@ -136,21 +141,21 @@ fn tsit5_interpolant() -> [[f64; 4]; 7] {
 fn finish<const D: usize, C: Chart>(
     law: &Law<'_, C>,
     y: &[f64; D],
-    k1: &[f64; D],
+    start: &Stand<D>,
     h: f64,
     end: [f64; D],
     tsit5: Option<&[[f64; D]; 6]>,
 ) -> Step<D> {
-    let (first, last) = (law.slope(y), law.slope(&end));
-    let slope_end = last.rate;
-    let mut dense = cubic_hermite(h, [y, &end], [k1, &slope_end]);
+    let stop = law.stand(&end);
+    let (first, last) = (&start.slope, &stop.slope);
+    let mut dense = cubic_hermite(h, [y, &end], [&first.rate, &last.rate]);
     if let Some(k) = tsit5 {
         let weights = tsit5_interpolant();
         dense = [[0.0; D]; TERMS];
         dense[0] = *y;
         for power in 0..4 {
             for i in 0..D {
-                let mut sum = weights[6][power] * slope_end[i];
+                let mut sum = weights[6][power] * last.rate[i];
                 for (w, stage) in weights.iter().zip(k) {
                     sum += w[power] * stage[i];
                 }
@@ -159,8 +164,8 @@ fn finish<const D: usize, C: Chart>(
         }
     }
     let (w0, w1) = (velocity(y), velocity(&end));
-    let centers = [law.center(y), law.center(&end)];
-    let center = quintic_hermite(h, centers, [w0, w1], [velocity(k1), velocity(&slope_end)]);
+    let accelerations = [velocity(&first.rate), velocity(&last.rate)];
+    let center = quintic_hermite(h, [start.center, stop.center], [w0, w1], accelerations);
     let mut turn = [V3::zeros(); TERMS];
     if D == ROLLING {
         // Linear in between: of the order of the cubic that the state is read from.
@@ -173,15 +178,7 @@ fn finish<const D: usize, C: Chart>(
     }
     // Linear between the ends is as good as these schemes.
     let inside = first.reaction + (last.reaction - first.reaction) * super::step::REACTION_AT[1];
-    Step {
-        end,
-        slope_end,
-        error: 0.0,
-        dense,
-        center,
-        turn,
-        reaction: [first.reaction, inside, last.reaction],
-    }
+    Step { end, error: 0.0, dense, center, turn, reaction: [first.reaction, inside, last.reaction] }
 }
 
 #[cfg(test)]

@@ -12,8 +12,6 @@ pub const TERMS: usize = 8;
 pub struct Step<const D: usize> {
     /// State at the end.
     pub end: [f64; D],
-    /// Slope at the end: the next step's first stage.
-    pub slope_end: [f64; D],
     /// Estimated error of position, m; 0 for a scheme of fixed step.
     pub error: f64,
     /// The state within the step, `dense[power][component]`.

@@ -1,25 +1,37 @@
 //! The first of all next events: a tournament tree with one leaf a ball. It never allocates after it is made.
 
 use super::event::Next;
+use super::time::Time;
 
 /// A tournament over the balls' next events.
 #[derive(Clone, Debug)]
 pub struct Queue {
     next: Vec<Next>,
-    /// Winner of the subtree at each node, by ball; leaves are implied.
-    winner: Vec<u32>,
+    /// The winner of the subtree at each node, the root at 1, a ball's leaf at `leaves` + ball. Siblings lie side by
+    /// side, so that a match reads one place of memory.
+    nodes: Vec<Winner>,
     leaves: usize,
+}
+
+/// A ball and the time of its next event: nearly all matches are decided by time.
+#[derive(Clone, Copy, Debug)]
+struct Winner {
+    time: Time,
+    ball: u32,
 }
 
 impl Queue {
     /// A queue for `balls` balls, none of which has anything coming.
     pub fn new(balls: usize) -> Self {
         let leaves = balls.next_power_of_two().max(2);
-        let mut queue = Self { next: vec![Next::NEVER; leaves], winner: vec![0; leaves], leaves };
-        for node in (1..leaves).rev() {
-            queue.replay(node);
+        let mut nodes = vec![Winner { time: Time::NEVER, ball: 0 }; 2 * leaves];
+        for (ball, leaf) in nodes[leaves..].iter_mut().enumerate() {
+            leaf.ball = ball as u32;
         }
-        queue
+        for node in (1..leaves).rev() {
+            nodes[node] = nodes[2 * node];
+        }
+        Self { next: vec![Next::NEVER; leaves], nodes, leaves }
     }
 
     /// What comes next for a ball.
@@ -31,27 +43,34 @@ impl Queue {
     /// Sets what comes next for a ball.
     pub fn set(&mut self, ball: usize, next: Next) {
         self.next[ball] = next;
-        let mut node = (self.leaves + ball) >> 1;
-        while node > 0 {
-            self.replay(node);
+        let mut node = self.leaves + ball;
+        self.nodes[node].time = next.time;
+        while node > 1 {
             node >>= 1;
+            let (a, b) = (self.nodes[2 * node], self.nodes[2 * node + 1]);
+            let winner = if self.is_first(a, b) { a } else { b };
+            let before = self.nodes[node].ball;
+            // Where another won and wins again, nothing changes farther up.
+            if before != ball as u32 && winner.ball == before {
+                break;
+            }
+            self.nodes[node] = winner;
         }
     }
 
     /// The ball whose event is first, and the event.
     #[inline]
     pub fn first(&self) -> (usize, &Next) {
-        let ball = self.winner[1] as usize;
+        let ball = self.nodes[1].ball as usize;
         (ball, &self.next[ball])
     }
 
-    fn replay(&mut self, node: usize) {
-        let of = |child: usize| {
-            if child >= self.leaves { (child - self.leaves) as u32 } else { self.winner[child] }
-        };
-        let (a, b) = (of(2 * node), of(2 * node + 1));
-        let a_first = self.next[a as usize].key(a) <= self.next[b as usize].key(b);
-        self.winner[node] = if a_first { a } else { b };
+    #[inline]
+    fn is_first(&self, a: Winner, b: Winner) -> bool {
+        if a.time == b.time {
+            return self.next[a.ball as usize].key(a.ball) <= self.next[b.ball as usize].key(b.ball);
+        }
+        a.time < b.time
     }
 }
 

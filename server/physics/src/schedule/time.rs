@@ -28,6 +28,11 @@ impl Time {
         Self { quantum, offset: 0.0 }
     }
 
+    /// The time with this quantum and offset, if it is one.
+    pub fn of_parts(quantum: i64, offset: f64) -> Option<Self> {
+        (0.0..QUANTUM).contains(&offset).then_some(Self { quantum, offset })
+    }
+
     /// `seconds` after the start, exact to 2^-59 s for any finite argument below 1e17.
     pub fn of_seconds(seconds: f64) -> Self {
         Self::ZERO.after(seconds)

@@ -1,10 +1,11 @@
 //! Certificates of random floors against dense samples that are polished uphill, and what scenes they refuse.
 
+use crate::scenes;
 use ballroom_physics::surface::bezier::BezierPatch;
 use ballroom_physics::surface::certify::{Certificate, certify};
 use ballroom_physics::surface::jet::Jet;
 use ballroom_physics::tolerance::{BRACKET_FLAT, BRACKET_WIDTH, REACH_PAIRS_MAX, REACH_WIDTH};
-use ballroom_physics::{Accuracy, BallSpec, Controller, Floor, MotionLaw, Place, Scene, SceneFault};
+use ballroom_physics::{Controller, Floor, MotionLaw, Place, SceneFault};
 use nalgebra::{Vector2, Vector3};
 
 /// A sampled value may lie outside its bracket by its own rounding, relative.
@@ -137,24 +138,10 @@ fn assert_holds(patch: &BezierPatch, certificate: &Certificate, name: &str) {
 
 /// What the engine says to one ball of this radius on a floor without walls.
 fn fault(patch: &BezierPatch, radius: f64) -> SceneFault {
-    let ball = BallSpec {
-        name: "one".into(),
-        radius,
-        mass: 1.0,
-        inertia_factor: 0.4,
-        place: Place::Uv(Vector2::new(0.5, 0.5)),
-        velocity: Vector3::zeros(),
-        spin: 0.0,
-    };
-    let scene = Scene {
-        floor: Floor::Bezier(patch.clone()),
-        walls: vec![],
-        balls: vec![ball],
-        gravity: Vector3::new(0.0, 0.0, -9.81),
-        motion: MotionLaw::Rolling,
-        restitution: 1.0,
-        accuracy: Accuracy::Tolerance(1e-12),
-    };
+    let everywhere = [-1e3, 1e3];
+    let mut scene = scenes::scene(Floor::Bezier(patch.clone()), everywhere, everywhere, MotionLaw::Rolling);
+    scene.walls.clear();
+    scene.balls.push(scenes::still("one", radius, Place::Uv(Vector2::new(0.5, 0.5))));
     Controller::new(&scene).unwrap_err()
 }
 

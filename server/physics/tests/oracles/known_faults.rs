@@ -4,7 +4,7 @@ use crate::scenes::{
     self, all_bits, as_net, assert_mirrors, bits, center, contact, graph, in_list_order, load, moving,
     original, plane, run, still,
 };
-use ballroom_physics::{BallSpec, Drive, MotionLaw, Scene, Time};
+use ballroom_physics::{BallSpec, Controller, Drive, HIT_BUDGET, MotionLaw, Scene, Time};
 use nalgebra::{Vector2, Vector3};
 
 #[test]
@@ -287,4 +287,21 @@ fn the_energy_that_players_put_in_is_accounted_for() {
         }
     }
     assert!(engine.steering_work().abs() > 1.0, "the player did something");
+}
+
+/// A burst is bounded by the scene's count of hits, never by a clock: what is cut is counted.
+#[test]
+fn a_hit_budget_cuts_a_burst_and_says_so() {
+    let mut scene = plane(20.0);
+    let ball = |name, mass, x, vx| BallSpec { mass, ..moving(name, 0.25, center(x, 0.0), vx, 0.0) };
+    scene.balls = vec![ball("heavy", 1e6, -17.0, -1.0), ball("light", 1.0, -18.0, 0.0)];
+    let hits = |hit_budget| {
+        let engine = run(&Scene { hit_budget, ..scene.clone() }, 60, 600, |_, _| {});
+        let report = engine.report();
+        (report.collisions.ball_ball + report.collisions.ball_wall, report.fallbacks)
+    };
+    assert_eq!(hits(HIT_BUDGET), (3141, 0));
+    let (count, cut) = hits(100);
+    assert!(cut > 0 && count < 3141, "{count} hits, cut {cut} times");
+    assert!(Controller::new(&Scene { hit_budget: 0, ..scene }).is_err());
 }

@@ -2,6 +2,7 @@
 
 mod allocation;
 mod certified_floors;
+mod checkpoints;
 mod closed_forms;
 mod hard_cases;
 mod known_faults;

@@ -82,7 +82,7 @@ pub fn largest_touch(nets: &DerivativeNets, side: f64, question: &Question) -> M
         rank: Rank::Corner,
         ..inner
     });
-    let mut floor = Pieces { nets, side, size, pieces: BTreeMap::new(), hulls: BTreeMap::new() };
+    let mut floor = Met { nets, side, size, pieces: BTreeMap::new(), hulls: BTreeMap::new() };
     let enough = |lower: f64, upper: f64| {
         let meets = lower > MEETS * curvature.max(size.recip());
         let decided = ample > curvature && lower > ample;
@@ -108,7 +108,7 @@ struct Piece {
 }
 
 /// The floor's pieces met so far.
-struct Pieces<'a> {
+struct Met<'a> {
     nets: &'a DerivativeNets,
     side: f64,
     size: f64,
@@ -139,7 +139,7 @@ impl Chord {
     }
 }
 
-impl Pieces<'_> {
+impl Met<'_> {
     fn piece(&mut self, place: Rectangle) -> Rc<Piece> {
         let (nets, side) = (self.nets, self.side);
         let piece = self.pieces.entry(place).or_insert_with(|| {

@@ -3,7 +3,9 @@
     python3 periods.py
 """
 from floors import PARABOLA, PIT
-from mpmath import findroot, mpf, nstr, quad, sqrt
+from mpmath import findroot, mp, mpf, nstr, quad, sqrt
+
+mp.dps = 30
 
 
 def period(floor, r, k, g, x0, x_low, x_guess):

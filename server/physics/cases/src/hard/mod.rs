@@ -1,0 +1,28 @@
+//! Hard cases: what breaks typical engines, each with its exact answer. One family a file.
+
+pub mod billiards;
+pub mod bullet;
+pub mod cradle;
+pub mod galperin;
+pub mod inelastic;
+pub mod rack;
+pub mod rods;
+pub mod row;
+
+use crate::case::Case;
+
+/// Every case of this room, family by family.
+pub fn cases() -> Vec<Case> {
+    [
+        galperin::cases(),
+        cradle::cases(),
+        rack::cases(),
+        bullet::cases(),
+        billiards::cases(),
+        row::cases(),
+        inelastic::cases(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}

@@ -1,0 +1,154 @@
+//! Trajectories on any floor, from another formulation: Newton and Euler with a multiplier, in 33 and 42 digits, made by
+//! `generators/trajectories.py` and kept in `data/`.
+//!
+//! Errors are the largest over the ticks of 7 Hz of 10 s. Each file carries the largest difference of any number between
+//! two computations of different order, step and precision; what is written is rounded to f64.
+
+mod charts;
+mod compare;
+mod floors;
+mod table;
+
+use crate::case::Case;
+use crate::scenes::{HOLLOW, SOLID};
+use compare::{Ground, Reference, Start};
+use floors::Chart;
+
+pub use compare::angle_between;
+
+const SLIDING: f64 = 0.0;
+const ALL: &[Chart] = &[Chart::Plain, Chart::Net, Chart::Bent, Chart::Leaning];
+/// For floors that are nets of heights already.
+const NETS: &[Chart] = &[Chart::Plain, Chart::Bent, Chart::Leaning];
+/// For floors whose degree leaves no room for another chart.
+const PLAIN: &[Chart] = &[Chart::Plain];
+
+const fn ball(radius: f64, k: f64, contact: [f64; 2], velocity: [f64; 2], spin: f64) -> Start {
+    Start { radius, k, contact, velocity, spin, mass: 1.0 }
+}
+
+macro_rules! reference {
+    ($ground:expr, $name:literal, $title:literal, $($ball:expr),*) => {
+        Reference {
+            name: $name,
+            title: $title,
+            text: include_str!(concat!("../../data/", $name, ".csv")),
+            ground: $ground.clone(),
+            balls: vec![$($ball),*],
+            walls: vec![],
+            restitution: 1.0,
+        }
+    };
+}
+
+fn with_symmetry() -> Vec<Reference> {
+    let pit = Ground { shape: floors::pit(), half: 10.0, gravity: 9.8, charts: PLAIN };
+    let cylinder = Ground { shape: floors::PARABOLA, half: 8.0, gravity: 9.81, charts: ALL };
+    let bowl = Ground { shape: floors::BOWL, half: 3.0, ..cylinder.clone() };
+    let released = |k| ball(1.0, k, [-3.0, 0.0], [0.0, 0.0], 0.0);
+    let across = |k| ball(0.2, k, [0.8, 0.0], [0.0, 0.0], 0.0);
+    let orbit = |k, spin| ball(0.1, k, [0.9, 0.0], [0.0, 1.1], spin);
+    vec![
+        reference!(pit, "pit-sliding", "released in the pit, sliding", released(SLIDING)),
+        reference!(pit, "pit-solid", "released in the pit, solid", released(SOLID)),
+        reference!(pit, "pit-hollow", "released in the pit, hollow", released(HOLLOW)),
+        reference!(cylinder, "cylinder-sliding", "across a parabolic cylinder, sliding", across(SLIDING)),
+        reference!(cylinder, "cylinder-solid", "across a parabolic cylinder, solid", across(SOLID)),
+        reference!(
+            cylinder,
+            "cylinder-helix",
+            "along a parabolic cylinder with spin",
+            ball(0.2, SOLID, [0.8, -1.5], [0.0, 0.5], 7.0)
+        ),
+        reference!(bowl, "bowl-sliding", "round a paraboloid, sliding", orbit(SLIDING, 0.0)),
+        reference!(bowl, "bowl-hollow", "round a paraboloid, hollow with spin", orbit(HOLLOW, 11.0)),
+    ]
+}
+
+fn without_symmetry() -> Vec<Reference> {
+    let bumps = Ground { shape: floors::BUMPS, half: 3.0, gravity: 9.81, charts: ALL };
+    let bicubic = Ground { shape: floors::bicubic(), half: 1.5, charts: NETS, ..bumps.clone() };
+    let twelve = Ground { shape: floors::twelve(), half: 2.0, charts: PLAIN, ..bumps.clone() };
+    let over = |k, spin| ball(0.25, k, [1.2, -0.7], [-0.4, 1.3], spin);
+    let bumpy = |k, spin| ball(0.05, k, [-0.6, -0.24], [1.0, 0.6], spin);
+    let dozen = |k, spin| ball(0.1, k, [0.7, -0.3], [-0.5, 0.9], spin);
+    vec![
+        reference!(bumps, "bumps-sliding", "over a floor without symmetry, sliding", over(SLIDING, 0.0)),
+        reference!(bumps, "bumps-solid", "over a floor without symmetry, solid with spin", over(SOLID, -9.0)),
+        reference!(bicubic, "bicubic-sliding", "over a bumpy bicubic, sliding", bumpy(SLIDING, 0.0)),
+        reference!(bicubic, "bicubic-solid", "over a bumpy bicubic, solid with spin", bumpy(SOLID, 16.0)),
+        reference!(bicubic, "bicubic-hollow", "over a bumpy bicubic, hollow with spin", bumpy(HOLLOW, -12.0)),
+        reference!(twelve, "twelve-sliding", "over degree 12 x 12, sliding", dozen(SLIDING, 0.0)),
+        reference!(twelve, "twelve-solid", "over degree 12 x 12, solid with spin", dozen(SOLID, 8.0)),
+        reference!(twelve, "twelve-hollow", "over degree 12 x 12, hollow with spin", dozen(HOLLOW, -5.0)),
+    ]
+}
+
+fn saddles_and_walls() -> Vec<Reference> {
+    let saddle = Ground { shape: floors::SADDLE, half: 2.0, gravity: 9.81, charts: ALL };
+    let monkey = Ground { shape: floors::MONKEY, half: 2.5, ..saddle.clone() };
+    let steep = Ground { shape: floors::STEEP, half: 1.5, ..saddle.clone() };
+    let two = |k, spin| ball(0.15, k, [0.5, 0.1], [0.0, 0.3], spin);
+    let three = |k, spin| ball(0.1, k, [0.6, 0.2], [-0.7, 0.3], spin);
+    let climb = |k, spin| ball(0.1, k, [1.13, 0.1], [0.0, 1.2], spin);
+    vec![
+        reference!(saddle, "saddle-sliding", "over a saddle, sliding", two(SLIDING, 0.0)),
+        reference!(saddle, "saddle-solid", "over a saddle, solid with spin", two(SOLID, 3.0)),
+        reference!(saddle, "saddle-hollow", "over a saddle, hollow with spin", two(HOLLOW, -4.0)),
+        reference!(monkey, "monkey-sliding", "over a monkey saddle, sliding", three(SLIDING, 0.0)),
+        reference!(monkey, "monkey-solid", "over a monkey saddle, solid with spin", three(SOLID, 6.0)),
+        reference!(monkey, "monkey-hollow", "over a monkey saddle, hollow with spin", three(HOLLOW, -6.0)),
+        reference!(steep, "steep-sliding", "up walls of 70 degrees, sliding", climb(SLIDING, 0.0)),
+        reference!(steep, "steep-solid", "up walls of 70 degrees, solid with spin", climb(SOLID, 10.0)),
+        reference!(steep, "steep-hollow", "up walls of 70 degrees, hollow with spin", climb(HOLLOW, -15.0)),
+    ]
+}
+
+fn with_hits() -> Vec<Reference> {
+    let bumps = Ground { shape: floors::BUMPS, half: 3.0, gravity: 9.81, charts: ALL };
+    let first = |k, spin| ball(0.25, k, [0.8, -0.7], [-0.4, 1.3], spin);
+    let light = |k, spin| Start { mass: 0.5, ..ball(0.2, k, [-0.8, 0.3], [0.2, 0.0], spin) };
+    let corner = vec![[[0.48, 0.36], [-4.0, -3.0]], [[-0.75, 0.0], [12.0, 5.0]]];
+    vec![
+        Reference {
+            walls: corner.clone(),
+            ..reference!(
+                bumps,
+                "walls-sliding",
+                "between slanting walls on bumps, sliding",
+                first(SLIDING, 0.0)
+            )
+        },
+        Reference {
+            walls: corner,
+            restitution: 0.875,
+            ..reference!(bumps, "walls-solid", "between slanting walls on bumps, solid", first(SOLID, -9.0))
+        },
+        reference!(
+            bumps,
+            "pair-sliding",
+            "two meet on bumps, sliding",
+            first(SLIDING, 0.0),
+            light(SLIDING, 0.0)
+        ),
+        Reference {
+            restitution: 0.875,
+            ..reference!(
+                bumps,
+                "pair-rolling",
+                "solid and hollow meet on bumps",
+                first(SOLID, -9.0),
+                light(HOLLOW, 5.0)
+            )
+        },
+    ]
+}
+
+/// Every case of this room.
+pub fn cases() -> Vec<Case> {
+    [with_symmetry(), without_symmetry(), saddles_and_walls(), with_hits()]
+        .into_iter()
+        .flatten()
+        .flat_map(Reference::cases)
+        .collect()
+}

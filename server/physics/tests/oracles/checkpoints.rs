@@ -1,0 +1,151 @@
+//! A run that is saved, loaded and continued is the run that never stopped.
+
+use crate::scenes::{all_bits, bits, center, cloud, graph, load, moving, original, plane, random};
+use ballroom_physics::{
+    Accuracy, Checkpoint, CheckpointFault, Controller, Drive, MotionLaw, Scene, Scheme, Time,
+};
+use nalgebra::Vector2;
+
+const RATE_HZ: u32 = 60;
+
+/// Curved and flat, rolling and sliding, elastic and piling up, every way to integrate.
+fn scenes() -> Vec<(&'static str, Scene)> {
+    let bumps = [(2, 0, 0.2), (0, 2, 0.25), (3, 1, 0.01), (1, 2, -0.02)];
+    let crowd = |scene: Scene, count| Scene { balls: cloud(count, [0.05, 0.12], 1.8, 1.0, 3), ..scene };
+    let rolling = crowd(graph(3.0, &bumps, MotionLaw::Rolling), 60);
+    let sliding = crowd(graph(3.0, &bumps, MotionLaw::Frictionless), 60);
+    let fixed = |scheme| Scene { accuracy: Accuracy::Fixed(scheme, 1.0 / 128.0), ..rolling.clone() };
+    let mut flat = plane(3.0);
+    flat.balls =
+        vec![moving("a", 0.2, center(0.0, 0.0), 3.0, 1.0), moving("b", 0.3, center(1.0, 0.5), -1.0, 0.3)];
+    vec![
+        ("original", original()),
+        ("rolling crowd", rolling.clone()),
+        ("sliding crowd", sliding),
+        ("pile", Scene { restitution: 0.5, ..crowd(graph(3.0, &bumps, MotionLaw::Rolling), 12) }),
+        ("plane", flat),
+        ("rk4", fixed(Scheme::Rk4)),
+        ("tsit5", fixed(Scheme::Tsit5)),
+    ]
+}
+
+/// What a player does at `tick`: the same whenever it is asked.
+fn steer(engine: &mut Controller, tick: u64) {
+    let direction = Vector2::new(0.6, -0.8);
+    match tick % 50 {
+        7 => engine.push(0, direction, 5.0),
+        20 => engine.drive(1, Some(Drive { direction, acceleration: 2.0, speed_limit: 3.0 })),
+        43 => engine.drive(1, None),
+        _ => {}
+    }
+}
+
+fn tick(engine: &mut Controller, tick: u64) {
+    steer(engine, tick);
+    engine.advance_to(Time::of_tick(tick + 1, RATE_HZ));
+}
+
+/// Every bit that is shown or counted.
+fn shown(engine: &Controller) -> (Vec<u64>, u64, [u64; 2], String) {
+    let numbers = [engine.energy().to_bits(), engine.steering_work().to_bits()];
+    let told = format!("{:?} {:?} {:?}", engine.report(), engine.hits(), engine.time());
+    (all_bits(engine), engine.state_hash(), numbers, told)
+}
+
+#[test]
+fn saved_loaded_and_continued_equals_never_having_stopped() {
+    for (name, scene) in scenes() {
+        let mut straight = load(&scene);
+        let mut stopped: Option<Controller> = None;
+        let mut at = random(11);
+        for t in 0..300 {
+            if at() < 0.1 {
+                let words = straight.checkpoint().words().to_vec();
+                let mut fresh = load(&scene);
+                fresh.restore(&Checkpoint::of_words(words)).unwrap();
+                assert_eq!(fresh.checkpoint(), straight.checkpoint(), "{name}, tick {t}");
+                stopped = Some(fresh);
+            }
+            tick(&mut straight, t);
+            if let Some(stopped) = &mut stopped {
+                tick(stopped, t);
+                assert_eq!(shown(stopped), shown(&straight), "{name}, tick {t}");
+            }
+        }
+        assert!(stopped.is_some());
+    }
+}
+
+#[test]
+fn a_run_is_rewound_in_place() {
+    let scene = original();
+    let mut engine = load(&scene);
+    let start = engine.checkpoint();
+    let run = |engine: &mut Controller| {
+        (0..200)
+            .map(|t| {
+                tick(engine, t);
+                shown(engine)
+            })
+            .collect::<Vec<_>>()
+    };
+    let first = run(&mut engine);
+    engine.restore(&start).unwrap();
+    assert_eq!(run(&mut engine), first);
+}
+
+#[test]
+fn what_is_no_checkpoint_of_the_scene_is_refused_and_changes_nothing() {
+    let scene = original();
+    let mut engine = load(&scene);
+    for t in 0..40 {
+        tick(&mut engine, t);
+    }
+    let before = shown(&engine);
+    let whole = engine.checkpoint();
+    let mut refuse = |words: Vec<u64>| {
+        let fault = engine.restore(&Checkpoint::of_words(words)).unwrap_err();
+        assert_eq!(shown(&engine), before);
+        fault
+    };
+    let words = whole.words();
+    for length in [0, 1, 3, 4, 5, words.len() - 1] {
+        let fault = refuse(words[..length].to_vec());
+        assert_eq!(fault, CheckpointFault::Length { have: length, want: words.len() });
+    }
+    let longer = refuse(words.iter().copied().chain([0]).collect());
+    assert_eq!(longer, CheckpointFault::Length { have: words.len() + 1, want: words.len() });
+    for place in 0..words.len() {
+        let mut wrong = words.to_vec();
+        wrong[place] ^= 1 << (place % 64);
+        let fault = refuse(wrong);
+        let right = match place {
+            0 => matches!(fault, CheckpointFault::Version(_)),
+            1 | 2 => fault == CheckpointFault::Scene,
+            _ => fault == CheckpointFault::Damaged,
+        };
+        assert!(right, "word {place}: {fault}");
+    }
+    let mut heavier = scene;
+    heavier.balls[0].mass *= 1.0 + f64::EPSILON;
+    assert_eq!(load(&heavier).restore(&whole), Err(CheckpointFault::Scene));
+}
+
+/// Nothing of the future is left to chance: a run restored from a checkpoint has the same words, and another place of
+/// one ball, by one bit, another hash.
+#[test]
+fn the_hash_sees_a_single_bit_of_a_single_ball() {
+    let scene = scenes().swap_remove(1).1;
+    let hash = |nudge: bool| {
+        let mut scene = scene.clone();
+        if nudge {
+            let x = &mut scene.balls[17].velocity.x;
+            *x = f64::from_bits(x.to_bits() ^ 1);
+        }
+        let engine = load(&scene);
+        (engine.state_hash(), bits(&engine.balls()[0]))
+    };
+    let (one, other) = (hash(false), hash(true));
+    assert_ne!(one.0, other.0);
+    assert_eq!(one.1, other.1);
+}

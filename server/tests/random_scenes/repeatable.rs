@@ -1,0 +1,166 @@
+//! The same run in another guise: bit for bit the same.
+
+use crate::generate::{BEATS, bystander};
+use crate::physical::Run;
+use crate::random::Random;
+use crate::reloaded;
+use crate::script::{Act, act, advance, bits};
+use ballroom_physics::surface::bezier::BezierPatch;
+use ballroom_physics::{BallState, Controller, Floor, HitPartner, Place, Scene};
+use nalgebra::Vector3;
+use server::LoadedScene;
+
+/// Compares a run with the first one from `from` on, beat by beat.
+fn follow(
+    claim: &str,
+    engine: &mut Controller,
+    script: &[Act],
+    run: &Run,
+    (from, rate_hz): (u64, u32),
+    index: impl Fn(usize) -> usize,
+) -> Result<(), String> {
+    for beat in from..BEATS {
+        act(engine, script, beat, &index);
+        advance(engine, beat, rate_hz);
+        if engine.state_hash() != run.hashes[beat as usize] {
+            return Err(format!("{claim}: the state hash differs after beat {beat}"));
+        }
+    }
+    let same = engine.balls().iter().zip(&run.last).position(|(a, b)| bits(a) != bits(b));
+    same.map_or(Ok(()), |id| Err(format!("{claim}: ball {id} differs though the hash does not")))
+}
+
+pub fn hold_at_other_rates(start: &Controller, script: &[Act], run: &Run) -> Result<(), String> {
+    for rate_hz in [30, 240] {
+        let claim = format!("at {rate_hz} Hz");
+        follow(&claim, &mut start.clone(), script, run, (0, rate_hz), |place| place)?;
+    }
+    Ok(())
+}
+
+pub fn hold_when_restored(seed: u64, start: &Controller, script: &[Act], run: &Run) -> Result<(), String> {
+    let saved_at = Random::new(seed ^ 1).below(BEATS as usize) as u64;
+    let mut engine = start.clone();
+    for beat in 0..saved_at {
+        act(&mut engine, script, beat, |place| place);
+        advance(&mut engine, beat, 60);
+    }
+    let words = engine.checkpoint().words().to_vec();
+    let mut restored = start.clone();
+    let checkpoint = ballroom_physics::Checkpoint::of_words(words);
+    restored.restore(&checkpoint).map_err(|fault| format!("its checkpoint is refused: {fault}"))?;
+    let claim = format!("saved and restored at beat {saved_at}");
+    follow(&claim, &mut restored, script, run, (saved_at, 60), |place| place)
+}
+
+pub fn hold_when_permuted(seed: u64, loaded: &LoadedScene, script: &[Act], run: &Run) -> Result<(), String> {
+    let mut random = Random::new(seed ^ 2);
+    let mut order: Vec<usize> = (0..loaded.scene().balls.len()).collect();
+    for last in (1..order.len()).rev() {
+        order.swap(last, random.below(last + 1));
+    }
+    let mut scene = (**loaded.scene()).clone();
+    scene.balls = order.iter().map(|i| loaded.scene().balls[*i].clone()).collect();
+    let permuted = reloaded(&scene).ok_or("with its list permuted, it is refused")?;
+    let mut engine = permuted.controller().map_err(|e| format!("with its list permuted: {e}"))?;
+    let index = |place: usize| order.iter().position(|i| *i == place).unwrap_or_default();
+    follow("with its list permuted", &mut engine, script, run, (0, 60), index)
+}
+
+/// The scene as a net and its mirror image across x = 0 run as mirror images. The mirror negates coordinates and keeps
+/// parameters.
+pub fn hold_in_a_mirror(loaded: &LoadedScene, script: &[Act]) -> Result<(), String> {
+    let mut scene = loaded.physics().clone();
+    if let Floor::Polynomial { x, y, terms } = &scene.floor {
+        scene.floor = Floor::Bezier(BezierPatch::from_polynomial(*x, *y, terms).ok_or("no net")?);
+    }
+    // What a net rounds may lie outside by an ulp.
+    let Ok(mut engine) = Controller::new(&scene) else { return Ok(()) };
+    let mut image = Controller::new(&mirrored(&scene)).map_err(|e| format!("its mirror image: {e}"))?;
+    let reflected: Vec<Act> = script.iter().map(|act| act.mirrored()).collect();
+    for beat in 0..BEATS {
+        act(&mut engine, script, beat, |place| place);
+        act(&mut image, &reflected, beat, |place| place);
+        advance(&mut engine, beat, 30);
+        advance(&mut image, beat, 30);
+        // 0 and -0 are one number.
+        let mut pairs = engine.balls().iter().zip(image.balls());
+        if let Some(id) = pairs.position(|(ball, seen)| mirrored_state(ball) != *seen) {
+            return Err(format!("in a mirror, ball {id} differs after beat {beat}"));
+        }
+    }
+    Ok(())
+}
+
+/// With a ball added that meets nobody: it is known to have met nobody because no hit of the run names it and another
+/// ball. Returns whether it was so.
+pub fn hold_beside_a_bystander(
+    seed: u64,
+    loaded: &LoadedScene,
+    script: &[Act],
+    run: &Run,
+) -> Result<bool, String> {
+    let mut scene = (**loaded.scene()).clone();
+    scene.balls.push(bystander(seed, &scene));
+    // It may stand in a wall, in another ball or where the floor is too tight for it.
+    let Some(Ok(mut engine)) = reloaded(&scene).map(|loaded| loaded.controller()) else { return Ok(false) };
+    let added = engine.scene_index().iter().position(|place| *place + 1 == scene.balls.len());
+    let added = added.unwrap_or_default();
+    let others = |engine: &Controller| -> Vec<BallState> {
+        let all = engine.balls().iter().enumerate();
+        all.filter(|(id, _)| *id != added).map(|(_, ball)| *ball).collect()
+    };
+    for beat in 0..BEATS {
+        act(&mut engine, script, beat, |place| place);
+        advance(&mut engine, beat, 30);
+        let met = engine.hits().iter().any(|hit| match hit.partner {
+            HitPartner::Ball(other) => hit.ball == added || other == added,
+            HitPartner::Wall(_) => false,
+        });
+        if met {
+            return Ok(false);
+        }
+    }
+    let differs = others(&engine).iter().zip(&run.last).position(|(a, b)| bits(a) != bits(b));
+    match differs {
+        Some(id) => Err(format!("beside a ball that meets nobody, ball {id} differs at the end")),
+        None => Ok(true),
+    }
+}
+
+fn mirrored(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    if let Floor::Bezier(patch) = &scene.floor {
+        let net = patch.net().iter().map(mirrored_vector).collect();
+        scene.floor = Floor::Bezier(BezierPatch::new(patch.degree(), net).expect("as large as the first"));
+    }
+    for wall in &mut scene.walls {
+        wall.point.x = -wall.point.x;
+        wall.normal.x = -wall.normal.x;
+    }
+    scene.gravity.x = -scene.gravity.x;
+    for ball in &mut scene.balls {
+        if let Place::Center(p) | Place::Contact(p) = &mut ball.place {
+            p.x = -p.x;
+        }
+        ball.velocity.x = -ball.velocity.x;
+        ball.spin = -ball.spin;
+    }
+    scene
+}
+
+fn mirrored_vector(v: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(-v.x, v.y, v.z)
+}
+
+fn mirrored_state(ball: &BallState) -> BallState {
+    let [x, y, z, w] = ball.orientation;
+    BallState {
+        uv: ball.uv,
+        center: mirrored_vector(&ball.center),
+        normal: mirrored_vector(&ball.normal),
+        velocity: mirrored_vector(&ball.velocity),
+        omega: -mirrored_vector(&ball.omega),
+        orientation: [x, -y, -z, w],
+    }
+}

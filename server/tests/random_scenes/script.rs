@@ -1,0 +1,79 @@
+//! What players do in a run, and the run itself: beats of 1/30 s, which are ticks of every rate.
+
+use ballroom_physics::{BallState, Controller, Drive, Time};
+use nalgebra::Vector2;
+use std::fmt;
+
+/// Beats a second.
+pub const BEATS_PER_S: u32 = 30;
+
+/// A deed at a beat.
+#[derive(Clone, Copy, Debug)]
+pub struct Act {
+    pub beat: u64,
+    /// Place in the scene's list.
+    pub ball: usize,
+    pub deed: Deed,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub enum Deed {
+    Push { delta: [f64; 2], limit: f64 },
+    Drive { direction: [f64; 2], acceleration: f64, limit: f64 },
+    Release,
+}
+
+impl fmt::Display for Act {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "at {}/{BEATS_PER_S} s, ball[{}]: {:?}", self.beat, self.ball, self.deed)
+    }
+}
+
+impl Act {
+    /// The same in a mirror across x = 0.
+    pub fn mirrored(mut self) -> Self {
+        if let Deed::Push { delta: way, .. } | Deed::Drive { direction: way, .. } = &mut self.deed {
+            way[0] = -way[0];
+        }
+        self
+    }
+
+    fn apply(&self, engine: &mut Controller, id: usize) {
+        match self.deed {
+            Deed::Push { delta, limit } => engine.push(id, Vector2::from(delta), limit),
+            Deed::Drive { direction, acceleration, limit } => {
+                let direction = Vector2::from(direction);
+                engine.drive(id, Some(Drive { direction, acceleration, speed_limit: limit }));
+            }
+            Deed::Release => engine.drive(id, None),
+        }
+    }
+}
+
+/// Does what the script asks for at `beat`; `index` names the scene's list, where a permuted one has another.
+pub fn act(engine: &mut Controller, script: &[Act], beat: u64, index: impl Fn(usize) -> usize) {
+    for act in script.iter().filter(|act| act.beat == beat) {
+        let place = index(act.ball);
+        let id = engine.scene_index().iter().position(|p| *p == place);
+        act.apply(engine, id.expect("the ball is in the scene"));
+    }
+}
+
+/// Advances from one beat to the next by ticks of `rate_hz`.
+pub fn advance(engine: &mut Controller, beat: u64, rate_hz: u32) {
+    let ticks = u64::from(rate_hz / BEATS_PER_S);
+    for tick in 1..=ticks {
+        engine.advance_to(Time::of_tick(beat * ticks + tick, rate_hz));
+    }
+}
+
+/// Every bit of a ball's state.
+pub fn bits(ball: &BallState) -> [u64; 18] {
+    let mut out = [0; 18];
+    let vectors = [ball.center, ball.normal, ball.velocity, ball.omega];
+    let numbers = vectors.iter().flat_map(|v| v.iter()).chain(ball.uv.iter()).chain(&ball.orientation);
+    for (bits, number) in out.iter_mut().zip(numbers) {
+        *bits = number.to_bits();
+    }
+    out
+}
