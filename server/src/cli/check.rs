@@ -62,7 +62,10 @@ fn certified(certificate: &Certificate, radii: &[f64]) -> String {
     let [least, most] = certificate.reach;
     let [contact, touch] = certificate.reach_at;
     let mut lines = vec![
-        "regular    a normal that points up everywhere, certified over the whole floor".to_owned(),
+        format!(
+            "regular    its normal points up everywhere; certified in {} boxes and {} pairs of boxes",
+            certificate.boxes, certificate.pairs
+        ),
         format!("steepest   {steepest:.3} to {flattest:.3} degrees, at {}", certificate.steepest_at),
         format!("curvature  largest concave {lo:.6} to {hi:.6} 1/m, at {}", certificate.curvature_at),
     ];

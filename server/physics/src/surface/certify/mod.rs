@@ -1,6 +1,10 @@
 //! Certified bounds over a whole patch: is there a normal everywhere, how steep is the floor, how tightly does it
 //! curve towards the balls, how large a ball touches it in one place only. Sampling would miss a spike between
 //! samples; subdivision with enclosures cannot.
+//!
+//! It takes about a millisecond for a bowl (316 boxes, 138 pairs of boxes), 30 to 60 ms for the pit and hill of degree
+//! 10 x 10 (748 and 2682), some 10 ms for a random height field of degree 3 to 6 and 0.1 to 0.5 s for a random net of
+//! degree 12 x 12. [`certify_for`] asks less: half of that or below where balls are well below the reach.
 
 mod curvature;
 mod irregular;
