@@ -204,3 +204,37 @@ fn certificates_hold_on_random_floors_500_to_749() {
 fn certificates_hold_on_random_floors_750_to_999() {
     assert_certified(750..1000);
 }
+
+/// A road along a cubic that crosses itself, climbing all the way; its control points are moved at random.
+fn random_road(seed: u64) -> BezierPatch {
+    let mut random = Random::new(seed);
+    let rise = random.between(1.0, 2.5);
+    let curve = [[-3.0, 0.0], [9.0, 6.0], [-9.0, 6.0], [3.0, 0.0]]
+        .map(|[x, y]| Vector3::new(x + random.between(-0.5, 0.5), y + random.between(-0.5, 0.5), 0.0));
+    let steps: [Vector3<f64>; 3] = [0, 1, 2].map(|k| 3.0 * (curve[k + 1] - curve[k]));
+    // The derivative, raised to the curve's degree.
+    let along = [steps[0], (steps[0] + 2.0 * steps[1]) / 3.0, (2.0 * steps[1] + steps[2]) / 3.0, steps[2]];
+    let width = random.between(0.01, 0.04);
+    let net = (0..4).flat_map(|i| {
+        let aside = Vector3::new(-along[i].y, along[i].x, 0.0) * width;
+        let height = Vector3::z() * (rise * i as f64 / 3.0 + random.between(-0.1, 0.1));
+        [curve[i] - aside + height, curve[i] + aside + height]
+    });
+    BezierPatch::new([3, 1], net.collect()).unwrap()
+}
+
+/// Random floors rarely have a reach below their radius of curvature; these have.
+#[test]
+fn certificates_hold_where_a_road_passes_under_itself() {
+    let mut under = 0;
+    for seed in 0..40 {
+        let patch = random_road(seed);
+        let name = format!("road {seed}");
+        let certificate = certify(&patch, &Vector3::z());
+        assert_eq!(certificate.regular, Ok(()), "{name}");
+        assert_holds(&patch, &certificate, &name);
+        assert_refuses(&patch, &certificate, &name);
+        under += u32::from(certificate.reach[1] * certificate.curvature[1] < 0.9);
+    }
+    assert!(under >= 20, "only {under} roads are low above themselves");
+}
