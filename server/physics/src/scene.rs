@@ -1,6 +1,7 @@
 //! What the engine is given: a scene without words, files or defaults.
 
 use crate::surface::bezier::BezierPatch;
+use crate::surface::certify::{FloorPlace, Irregularity};
 use nalgebra::{Vector2, Vector3};
 
 /// A scene as the engine takes it.
@@ -170,17 +171,17 @@ pub enum SceneFault {
         /// `u = 0`, `u = 1`, `v = 0` or `v = 1`.
         border: &'static str,
     },
-    /// The net is degenerate.
-    #[error("the floor has no normal near u = {u}, v = {v}")]
+    /// The floor has no upward normal somewhere, or is not proved to have one.
+    #[error("the floor {kind}, near {at}")]
     Degenerate {
+        /// What is wrong.
+        kind: Irregularity,
         /// Where.
-        u: f64,
-        /// Where.
-        v: f64,
+        at: FloorPlace,
     },
     /// The floor is too tightly curved for a ball.
     #[error(
-        "the floor's curvature times radius reaches {lo} to {hi} near u = {u}, v = {v} for ball {ball}: it must stay below 1"
+        "the floor's curvature times radius reaches {lo} to {hi} at {at} for ball {ball}: it must stay below 1"
     )]
     TooCurved {
         /// Place in the list.
@@ -189,9 +190,26 @@ pub enum SceneFault {
         lo: f64,
         /// See `lo`.
         hi: f64,
-        /// Where.
-        u: f64,
-        /// Where.
-        v: f64,
+        /// Where it is largest.
+        at: FloorPlace,
+    },
+    /// A ball may touch the floor in two places at once.
+    #[error(
+        "ball {ball} of radius {radius} m may lie on the floor at {contact} and touch it again at {touch}: only balls \
+         smaller than {lo} to {hi} m touch it once"
+    )]
+    SecondTouch {
+        /// Place in the list.
+        ball: usize,
+        /// Its radius, m.
+        radius: f64,
+        /// Certified bracket of the reach, m.
+        lo: f64,
+        /// See `lo`.
+        hi: f64,
+        /// Where the ball of that radius lies.
+        contact: FloorPlace,
+        /// Where it touches again.
+        touch: FloorPlace,
     },
 }

@@ -135,14 +135,17 @@ pub const CURVATURE_MAX: f64 = 0.999;
 
 /// Relative width at which a certified bracket is tight enough. Less costs boxes, more refuses balls that fit.
 pub const BRACKET_WIDTH: f64 = 2e-4;
-/// Curvature times the floor's size below which a floor counts as flat: a bracket around 0 has no relative width.
-pub const BRACKET_FLAT: f64 = 1e-6;
+/// Curvature times the floor's size below which a floor counts as flat: a bracket around 0 has no relative width, and a
+/// ball ten thousand times the floor's size lies on none. A hundredth of it costs a plane in a curved chart a hundred
+/// times the boxes.
+pub const BRACKET_FLAT: f64 = 1e-4;
 /// Boxes looked at in one certified search, some half a second at degree 10 x 10; usual floors need hundreds. A search
 /// that runs out returns the wider bracket it has.
 pub const BRACKET_BOXES_MAX: usize = 60_000;
-/// Halvings of one parameter in a certified search: 2^-26 is where second derivatives are rounding, and what is
-/// undecided there is degenerate.
-pub const BRACKET_HALVINGS_MAX: u32 = 26;
+/// Relative width at which the bracket of the reach is tight enough; a pair of places costs more than one place.
+pub const REACH_WIDTH: f64 = 1e-3;
+/// Pairs of boxes looked at for the reach.
+pub const REACH_PAIRS_MAX: usize = 100_000;
 
 /// Hits kept for the caller of an advance.
 pub const HITS_KEPT: usize = 65_536;

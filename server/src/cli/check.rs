@@ -1,6 +1,7 @@
 //! `check`: whether a scene can be run, and what it holds.
 
 use super::ball_count::BallCount;
+use ballroom_physics::surface::certify::{Certificate, certify};
 use protocol::scene::{Accuracy, Floor, Scene};
 use server::simulation::Simulation;
 use std::io::Write;
@@ -43,23 +44,57 @@ impl Check {
         writeln!(out, "motion     {motion}, restitution {}", physics.restitution)?;
         writeln!(out, "accuracy   {}", accuracy(scene.accuracy))?;
         writeln!(out, "energy     {} J at the start", controller.energy())?;
-        let [lo, hi] = controller.curvature_bracket();
-        writeln!(out, "curvature  largest concave {lo:.6} to {hi:.6} 1/m, certified over the whole floor")?;
         let mut radii = roster.radius_m.clone();
         radii.sort_unstable_by(|a, b| b.total_cmp(a));
         radii.dedup();
-        // Of many radii the largest speaks for all.
-        let listed = if radii.len() > LISTED_RADII { 1 } else { radii.len() };
-        for radius in &radii[..listed] {
-            let [lo, hi] = [lo * radius, hi * radius];
-            writeln!(out, "           times radius {radius} m: {lo:.6} to {hi:.6}, must stay below 1")?;
-        }
-        if listed < radii.len() {
-            writeln!(out, "           and less for {} smaller radii", radii.len() - listed)?;
-        }
+        // What loading proves is enough for the scene's balls; the brackets themselves take longer.
+        let certificate = certify(controller.patch(), &-physics.gravity);
+        write!(out, "{}", certified(&certificate, &radii))?;
         writeln!(out, "ok")?;
         Ok(())
     }
+}
+
+/// What is proved about the floor, and the room it leaves for balls of these radii, largest first.
+fn certified(certificate: &Certificate, radii: &[f64]) -> String {
+    let [flattest, steepest] = certificate.steepest_cosine.map(|cosine| cosine.min(1.0).acos().to_degrees());
+    let [lo, hi] = certificate.curvature;
+    let [least, most] = certificate.reach;
+    let [contact, touch] = certificate.reach_at;
+    let mut lines = vec![
+        format!(
+            "regular    its normal points up everywhere; certified in {} boxes and {} pairs of boxes",
+            certificate.boxes, certificate.pairs
+        ),
+        format!("steepest   {steepest:.3} to {flattest:.3} degrees, at {}", certificate.steepest_at),
+        format!("curvature  largest concave {lo:.6} to {hi:.6} 1/m, at {}", certificate.curvature_at),
+    ];
+    lines.push(if least == f64::INFINITY {
+        "reach      unbounded: the floor is nowhere concave".to_owned()
+    } else if contact == touch {
+        format!("reach      {least:.6} to {most:.6} m: balls below touch the floor once; curvature decides")
+    } else {
+        format!(
+            "reach      {least:.6} to {most:.6} m: balls below touch the floor once; a ball of that radius"
+        )
+    });
+    if contact != touch && least < f64::INFINITY {
+        lines.push(format!("           that lies at {contact}"));
+        lines.push(format!("           touches at {touch} too"));
+    }
+    // Of many radii the largest speaks for all.
+    let listed = if radii.len() > LISTED_RADII { 1 } else { radii.len() };
+    for radius in &radii[..listed] {
+        let [lo, hi] = [lo * radius, hi * radius];
+        let share = 100.0 * radius / least;
+        lines.push(format!(
+            "radius     {radius} m: times curvature {lo:.6} to {hi:.6}, at most {share:.2} % of the reach"
+        ));
+    }
+    if listed < radii.len() {
+        lines.push(format!("           and less for {} smaller radii", radii.len() - listed));
+    }
+    lines.join("\n") + "\n"
 }
 
 fn accuracy(accuracy: Accuracy) -> String {

@@ -30,12 +30,19 @@ pub fn locate(loaded: &LoadedScene, fault: &SceneFault) -> SceneError {
             card(*ball).to_owned(),
             format!("{:?} reaches {depth:e} m into wall {i} ({}): move it inside", name(*ball), wall(*i)),
         ),
-        SceneFault::TooCurved { ball, lo, hi, u, v } => (
+        SceneFault::TooCurved { ball, lo, hi, at } => (
             format!("{}.radius_m", card(*ball)),
             format!(
-                "the floor's curvature times the radius of {:?} reaches {lo:.6} to {hi:.6} near u = {u}, v = {v}: it must \
-                 stay below 1, so use a smaller ball or a flatter floor",
+                "the floor's curvature times the radius of {:?} reaches {lo:.6} to {hi:.6} at {at}: it must stay below \
+                 1, so use a smaller ball or a flatter floor",
                 name(*ball)
+            ),
+        ),
+        SceneFault::SecondTouch { ball, radius, lo, hi, contact, touch } => (
+            format!("{}.radius_m", card(*ball)),
+            format!(
+                "is {radius}: the largest ball that touches the floor only once has {lo:.6} to {hi:.6} m, and one that \
+                 lies at {contact} touches it again at {touch}, so use a smaller ball or a flatter floor"
             ),
         ),
         SceneFault::OpenBorder { .. } => ("walls".to_owned(), format!("{fault}: put a wall along it")),

@@ -41,6 +41,26 @@ mass_kg = 1.0
 uv = [0.5, 0.5]
 "#;
 
+/// A road that passes under itself with 0.93 m of headroom, and a ball as high as that and more.
+const LOOPING_ROAD: &str = r#"version = 1
+name = "road"
+[floor.net]
+control_points_m = [
+    [[-2.46, -1.08, 0.0], [-3.54, 1.08, 0.0]],
+    [[9.18, 6.72, 0.4], [8.82, 5.28, 0.4]],
+    [[-9.18, 6.72, 0.8], [-8.82, 5.28, 0.8]],
+    [[2.46, -1.08, 1.2], [3.54, 1.08, 1.2]],
+]
+[walls.box]
+x_m = [-9.0, 9.0]
+y_m = [-1.0, 6.0]
+[[ball]]
+name = "one"
+radius_m = 0.5
+mass_kg = 1.0
+uv = [0.5, 0.5]
+"#;
+
 /// What is replaced by what, and how the complaint begins and what it recommends.
 const BROKEN: [(&str, &str, &str, &str); 19] = [
     ("version = 1", "version = 2", ":1:1: version: is 2", "reads version 1"),
@@ -106,16 +126,48 @@ fn check_names_file_line_and_field() {
 #[test]
 fn a_degenerate_net_is_refused_at_its_floor() {
     let complaint = complaint(FOLDED);
-    assert!(complaint.starts_with(":3:2: floor: the floor has no normal near u = "), "{complaint}");
+    assert!(
+        complaint.starts_with(":3:2: floor: the floor has no normal: S_u x S_v vanishes, near u = "),
+        "{complaint}"
+    );
+    assert!(complaint.contains("(x = "), "{complaint}");
     assert!(complaint.contains("move its control points"), "{complaint}");
 }
 
 #[test]
-fn check_prints_the_certified_bracket_of_the_curvature() {
+fn a_ball_that_would_touch_the_road_above_is_refused_with_both_places() {
+    let complaint = complaint(LOOPING_ROAD);
+    assert!(complaint.starts_with(":15:1: ball[0].radius_m: is 0.5: "), "{complaint}");
+    let places = [
+        "lies at u = 1.000000, v = 0.139648 (x = 0.04",
+        "touches it again at u = 1.000000, v = 0.862305 (x = -0.0",
+    ];
+    for part in ["0.434613 to 0.435041 m", places[0], places[1]] {
+        assert!(complaint.contains(part), "{complaint}");
+    }
+}
+
+/// The numbers of a line of `check original`, up to the words `until`.
+fn numbers(name: &str, until: &str) -> Vec<f64> {
     let text = said(&["check", "original"]);
-    let line = text.lines().find(|line| line.starts_with("curvature")).unwrap();
-    let bracket: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-    let [low, high] = bracket[..] else { panic!("no bracket in {line}") };
-    // The pit of the original floor is as curved as a ball of 1.61 m.
-    assert!(0.6 < low && low <= high && high < 0.65, "{line}");
+    let line =
+        text.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("no {name} in {text}"));
+    let (numbers, _) = line.split_once(until).unwrap_or_else(|| panic!("no {until} in {line}"));
+    numbers.split_whitespace().filter_map(|word| word.parse().ok()).collect()
+}
+
+#[test]
+fn check_prints_what_is_certified_about_the_floor() {
+    // The pit of the original floor is as curved as a ball of 1.61 m, and its flank 52.7 degrees steep.
+    for (name, until, low, high) in [
+        ("steepest", "degrees", 52.6, 52.8),
+        ("curvature", "1/m", 0.6, 0.65),
+        ("reach", "m:", 1.61, 1.62),
+        ("radius", ", at most", 0.62, 1.0),
+    ] {
+        let numbers = numbers(name, until);
+        assert!(numbers.len() >= 2, "{name}: {numbers:?}");
+        assert!(numbers.is_sorted_by(|a, b| a <= b || *a == 1.0), "{name}: {numbers:?}");
+        assert!(numbers.iter().all(|x| (low..=high).contains(x)), "{name}: {numbers:?}");
+    }
 }

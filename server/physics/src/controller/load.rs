@@ -13,7 +13,7 @@ use crate::scene::{Accuracy, BallSpec, Floor, MotionLaw, Scene, SceneFault};
 use crate::schedule::queue::Queue;
 use crate::schedule::time::Time;
 use crate::surface::bezier::BezierPatch;
-use crate::surface::certify::{Certificate, certify};
+use crate::surface::certify::{Certificate, Irregular, certify, certify_for};
 use crate::surface::chart::Surface;
 use crate::surface::place;
 use crate::tolerance::{self, CURVATURE_MAX, HITS_KEPT, OVERLAP_ULPS};
@@ -29,7 +29,8 @@ impl Controller {
     pub fn new(scene: &Scene) -> Result<Self, SceneFault> {
         check_numbers(scene)?;
         let patch = net_of(&scene.floor)?;
-        let certificate = certify(&patch, &-scene.gravity);
+        let largest = scene.balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
+        let certificate = certify_for(&patch, &-scene.gravity, largest);
         check_floor(scene, &patch, &certificate)?;
         let surface = Surface::new(&scene.floor, &patch, certificate.orientation);
         let order = rank_by_name(&scene.balls)?;
@@ -195,8 +196,8 @@ pub(crate) fn net_of(floor: &Floor) -> Result<BezierPatch, SceneFault> {
 }
 
 fn check_floor(scene: &Scene, patch: &BezierPatch, certificate: &Certificate) -> Result<(), SceneFault> {
-    if let Err([u, v]) = certificate.regular {
-        return Err(SceneFault::Degenerate { u, v });
+    if let Err(Irregular { kind, at }) = certificate.regular {
+        return Err(SceneFault::Degenerate { kind, at });
     }
     // A height field's balls lie on its upper side, which must be the one that gravity presses them to.
     let jet = patch.jet(0.5, 0.5);
@@ -212,8 +213,16 @@ fn check_floor(scene: &Scene, patch: &BezierPatch, certificate: &Certificate) ->
     if let Some((ball, spec)) = largest {
         let [lo, hi] = certificate.curvature.map(|k| k * spec.radius);
         if hi >= CURVATURE_MAX {
-            let [u, v] = certificate.curvature_at;
-            return Err(SceneFault::TooCurved { ball, lo, hi, u, v });
+            return Err(SceneFault::TooCurved { ball, lo, hi, at: certificate.curvature_at });
+        }
+        let fits = |reach: f64| spec.radius <= CURVATURE_MAX * reach * (1.0 + 4.0 * f64::EPSILON);
+        if !fits(certificate.reach[0]) {
+            // Before a scene is refused the bracket is worth its time.
+            let Certificate { reach: [lo, hi], reach_at: [contact, touch], .. } =
+                certify(patch, &-scene.gravity);
+            if !fits(lo) {
+                return Err(SceneFault::SecondTouch { ball, radius: spec.radius, lo, hi, contact, touch });
+            }
         }
     }
     // A border whose control points all lie on or behind one wall lies there whole: convex hull.

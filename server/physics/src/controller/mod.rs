@@ -145,13 +145,8 @@ impl Controller {
         &self.patch
     }
 
-    /// What is proved about the floor.
+    /// What loading proved about the floor; its reach no more narrowly than the scene's balls need. `certify` finds the rest.
     pub const fn certificate(&self) -> &Certificate {
         &self.certificate
-    }
-
-    /// Certified bracket of the floor's largest principal curvature towards the balls, 1/m.
-    pub const fn curvature_bracket(&self) -> [f64; 2] {
-        self.certificate.curvature
     }
 }

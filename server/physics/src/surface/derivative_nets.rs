@@ -1,4 +1,4 @@
-//! The nets of S's derivatives on boxes of the parameter square, and what they enclose.
+//! The nets of S and its derivatives on boxes of the parameter square, and what they enclose.
 
 use super::affine::Affine;
 use super::bezier::{BezierPatch, MAX_DEGREE, Parameter};
@@ -31,14 +31,6 @@ impl<T> Derivatives<T> {
 
     fn vectors(&self) -> [&[T; 3]; 5] {
         [&self.u, &self.v, &self.uu, &self.uv, &self.vv]
-    }
-}
-
-impl Derivatives<Affine> {
-    /// `S_u x S_v`.
-    pub fn cross(&self) -> [Affine; 3] {
-        let (a, b) = (&self.u, &self.v);
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     }
 }
 
@@ -79,22 +71,33 @@ impl Derivatives<ScalarNet> {
     }
 }
 
-/// The box `index / 2^halvings .. (index + 1) / 2^halvings` in u and v.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Parts of a unit of u or v that a box can be as small as: 2^-26 is where second derivatives are rounding, and what is
+/// undecided there is degenerate.
+const PARTS: u32 = 1 << 26;
+
+/// The box from `low` to `high` in u and v, in units of 2^-26; a line or a point where they are equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Rectangle {
-    /// Which.
-    pub index: [u32; 2],
-    /// How small.
-    pub halvings: [u32; 2],
+    /// Smallest u and v.
+    pub low: [u32; 2],
+    /// Largest u and v.
+    pub high: [u32; 2],
 }
 
 impl Rectangle {
     /// The whole parameter square.
-    pub const WHOLE: Self = Self { index: [0; 2], halvings: [0; 2] };
+    pub const WHOLE: Self = Self { low: [0; 2], high: [PARTS; 2] };
+
+    /// The borders u = 0, u = 1, v = 0 and v = 1.
+    pub const BORDERS: [Self; 4] = [
+        Self { low: [0; 2], high: [0, PARTS] },
+        Self { low: [PARTS, 0], high: [PARTS; 2] },
+        Self { low: [0; 2], high: [PARTS, 0] },
+        Self { low: [0, PARTS], high: [PARTS; 2] },
+    ];
 
     fn range(&self, direction: usize) -> [f64; 2] {
-        let width = 1.0 / f64::from(1_u32 << self.halvings[direction]);
-        [f64::from(self.index[direction]) * width, f64::from(self.index[direction] + 1) * width]
+        [self.low, self.high].map(|end| f64::from(end[direction]) / f64::from(PARTS))
     }
 
     /// Its middle.
@@ -110,15 +113,66 @@ impl Rectangle {
         [0, 1].map(|direction| self.range(direction)[usize::from(signs[direction] > 0.0)])
     }
 
-    fn half(mut self, direction: usize, upper: u32) -> Self {
-        self.index[direction] = 2 * self.index[direction] + upper;
-        self.halvings[direction] += 1;
-        self
+    /// That corner as a box of its own.
+    pub fn corner_box(&self, signs: [f64; 2]) -> Self {
+        let end = [0, 1].map(|d| if signs[d] > 0.0 { self.high[d] } else { self.low[d] });
+        Self { low: end, high: end }
+    }
+
+    /// Its two halves, unless it is too small to be cut.
+    pub fn halves(&self, direction: usize) -> Option<[Self; 2]> {
+        let middle = self.low[direction].midpoint(self.high[direction]);
+        if middle == self.low[direction] {
+            return None;
+        }
+        let [mut lower, mut upper] = [*self; 2];
+        lower.high[direction] = middle;
+        upper.low[direction] = middle;
+        Some([lower, upper])
+    }
+
+    /// The smallest box around both.
+    pub fn hull(&self, other: &Self) -> Self {
+        Self {
+            low: [0, 1].map(|d| self.low[d].min(other.low[d])),
+            high: [0, 1].map(|d| self.high[d].max(other.high[d])),
+        }
+    }
+
+    /// A box around this one, at most a quarter larger each way, of which there are few, so that many share one.
+    pub fn rounded(&self) -> Self {
+        let mut round = *self;
+        for d in 0..2 {
+            let unit = ((self.high[d] - self.low[d]).next_power_of_two() / 8).max(1);
+            round.low[d] -= self.low[d] % unit;
+            round.high[d] = self.high[d].next_multiple_of(unit);
+        }
+        round
+    }
+
+    /// Whether both are so close that a box of twice the size holds them.
+    pub fn is_near(&self, other: &Self) -> bool {
+        let hull = self.hull(other);
+        let width = |r: &Self, d: usize| r.high[d] - r.low[d];
+        (0..2).all(|d| width(&hull, d) <= 8 * width(self, d).max(width(other, d)))
+    }
+
+    /// A place of this box, given by (s, t) in [-1, 1]^2, in the (s, t) of a box around it: `[middle, half width]` in
+    /// each direction.
+    pub fn within(&self, hull: &Self) -> [[f64; 2]; 2] {
+        [0, 1].map(|d| {
+            let sum = |r: &Self| f64::from(r.low[d]) + f64::from(r.high[d]);
+            let width = |r: &Self| f64::from(r.high[d] - r.low[d]);
+            let whole = width(hull).max(1.0);
+            [(sum(self) - sum(hull)) / whole, width(self) / whole]
+        })
     }
 }
 
-/// The derivative nets of a patch.
+/// The nets of a patch and of its derivatives.
 pub(super) struct DerivativeNets {
+    /// S - S(0, 0).
+    point: [ScalarNet; 3],
     nets: Derivatives<ScalarNet>,
     /// Largest absolute coefficient of each derivative, to compare variations by.
     sizes: [f64; 5],
@@ -129,11 +183,19 @@ impl DerivativeNets {
     pub fn new(patch: &BezierPatch) -> Self {
         let nets = Derivatives::new(patch);
         let sizes = nets.vectors().map(|vector| vector.iter().map(ScalarNet::size).fold(0.0, f64::max));
-        Self { nets, sizes }
+        // Far from the origin differences of places would drown in rounding.
+        let origin = patch.point(0, 0);
+        let point = std::array::from_fn(|k| {
+            let coefficients = patch.net().iter().map(|p| p[k] - origin[k]).collect();
+            let slack = patch.net().iter().map(|p| p[k].abs()).fold(0.0, f64::max);
+            ScalarNet { degree: patch.degree(), coefficients, slack }.settled(1.0)
+        });
+        Self { point, nets, sizes }
     }
 
-    /// The two halves of a box, cut across the parameter along which the derivatives change more.
-    pub fn halves(&self, place: &Rectangle) -> [(Rectangle, Derivatives<ScalarNet>); 2] {
+    /// The two halves of a box, cut across the parameter along which the derivatives change more; None if it is too
+    /// small to be cut.
+    pub fn halves(&self, place: &Rectangle) -> Option<[(Rectangle, Derivatives<ScalarNet>); 2]> {
         let nets = self.nets.map(|net| net.restricted(place));
         let mut variation = [0.0_f64; 2];
         for (vector, size) in nets.vectors().into_iter().zip(self.sizes) {
@@ -143,9 +205,44 @@ impl DerivativeNets {
             }
         }
         let direction = usize::from(variation[1] > variation[0]);
-        [0, 1].map(|upper| (place.half(direction, upper), nets.map(|net| net.half(direction, upper == 1))))
+        let [lower, upper] = place.halves(direction)?;
+        Some([
+            (lower, nets.map(|net| net.half(direction, false))),
+            (upper, nets.map(|net| net.half(direction, true))),
+        ])
+    }
+
+    /// Enclosures of S - S(0, 0), `S_u` and `S_v` over a box.
+    pub fn first(&self, place: &Rectangle) -> [[Affine; 3]; 3] {
+        [&self.point, &self.nets.u, &self.nets.v]
+            .map(|vector| vector.each_ref().map(|net| net.restricted(place).enclosure()))
+    }
+
+    /// Enclosures of the derivatives over a box. On all but the smallest boxes the second ones are had from the first
+    /// ones' nets there: at a third of the work the loss is a few thousand roundings.
+    pub fn enclosures(&self, place: &Rectangle) -> Derivatives<Affine> {
+        let width = [0, 1].map(|d| f64::from(place.high[d] - place.low[d]) / f64::from(PARTS));
+        if width.iter().any(|width| *width < DIFFERENCED_WIDTH_MIN) {
+            return self.nets.map(|net| net.restricted(place).enclosure());
+        }
+        let restricted = |vector: &[ScalarNet; 3]| vector.each_ref().map(|net| net.restricted(place));
+        let [u, v] = [restricted(&self.nets.u), restricted(&self.nets.v)];
+        let enclosure = |vector: &[ScalarNet; 3]| vector.each_ref().map(ScalarNet::enclosure);
+        let slope = |vector: &[ScalarNet; 3], parameter, width| {
+            vector.each_ref().map(|net| net.slope(parameter, width).enclosure())
+        };
+        Derivatives {
+            uu: slope(&u, Parameter::U, width[0]),
+            uv: slope(&u, Parameter::V, width[1]),
+            vv: slope(&v, Parameter::V, width[1]),
+            u: enclosure(&u),
+            v: enclosure(&v),
+        }
     }
 }
+
+/// Narrowest box whose second derivatives are had by differences, 2^-12.
+const DIFFERENCED_WIDTH_MIN: f64 = 1.0 / 4096.0;
 
 /// Bernstein coefficients of one component of one derivative; `coefficients[i * (q + 1) + j]`.
 #[derive(Clone, Debug)]
@@ -180,22 +277,39 @@ impl ScalarNet {
         Self { degree, coefficients, slack: self.slack }
     }
 
-    /// Turns `slack`, so far the size of S's own coefficients, into the bound on the error. What is constant within it
-    /// becomes a number: on a height field only z is then left to subdivide.
-    fn settled(mut self, factor: f64) -> Self {
-        self.slack = DIFFERENCE_ROUNDING * factor * self.slack + RESTRICTION_ROUNDING * self.size();
-        let [low, high] = self.extremes();
-        if high - low <= self.slack {
-            self.slack += 0.5 * (high - low);
-            self.coefficients = vec![0.5 * (low + high)];
-            self.degree = [0, 0];
-        }
-        self
+    /// The derivative of a net on a box of this width; its coefficients are off by twice those of the net times the degree,
+    /// whatever is left of that.
+    fn slope(&self, parameter: Parameter, width: f64) -> Self {
+        let mut net = self.derivative(parameter);
+        net.coefficients.iter_mut().for_each(|c| *c /= width);
+        net.slack = 2.0 * MAX_DEGREE as f64 * self.slack / width + DIFFERENCE_ROUNDING * net.size();
+        net
     }
 
-    fn extremes(&self) -> [f64; 2] {
-        let start = [f64::INFINITY, f64::NEG_INFINITY];
-        self.coefficients.iter().fold(start, |[low, high], c| [low.min(*c), high.max(*c)])
+    /// Turns `slack`, so far the size of S's own coefficients, into the bound on the error. What is constant within it
+    /// along a parameter loses that parameter: on a height field little but z is then left to subdivide.
+    fn settled(mut self, factor: f64) -> Self {
+        self.slack = DIFFERENCE_ROUNDING * factor * self.slack + RESTRICTION_ROUNDING * self.size();
+        for direction in [0, 1] {
+            let [p, q] = self.degree;
+            let (n, stride, lines, line_stride) =
+                if direction == 0 { (p, q + 1, q + 1, 1) } else { (q, 1, p + 1, q + 1) };
+            let line = |k: usize| (0..=n).map(move |i| k * line_stride + i * stride);
+            let bounds: Vec<[f64; 2]> = (0..lines)
+                .map(|k| {
+                    line(k)
+                        .map(|at| self.coefficients[at])
+                        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], c| [low.min(c), high.max(c)])
+                })
+                .collect();
+            let widest = bounds.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
+            if widest <= self.slack {
+                self.slack += 0.5 * widest;
+                self.coefficients = bounds.iter().map(|[low, high]| 0.5 * (low + high)).collect();
+                self.degree[direction] = 0;
+            }
+        }
+        self
     }
 
     fn size(&self) -> f64 {
@@ -274,29 +388,43 @@ impl ScalarNet {
     /// Keeps the part above or below `t` of one parameter, by de Casteljau.
     fn keep(&mut self, direction: usize, t: f64, upper: bool) {
         let [p, q] = self.degree;
-        let (n, stride, lines, line_stride) =
-            if direction == 0 { (p, q + 1, q + 1, 1) } else { (q, 1, p + 1, q + 1) };
-        let s = 1.0 - t;
-        let mut work = [0.0; MAX_DEGREE + 1];
-        for line in 0..lines {
-            let base = line * line_stride;
-            for (k, w) in work.iter_mut().enumerate().take(n + 1) {
-                *w = self.coefficients[base + k * stride];
-            }
-            for k in 0..n {
-                for i in 0..n - k {
-                    work[i] = s * work[i] + t * work[i + 1];
-                }
-                // The first entry is now coefficient k + 1 of the lower part, entry n - k - 1 that of the upper one.
-                if !upper {
-                    self.coefficients[base + (k + 1) * stride] = work[0];
+        if direction == 0 {
+            // Whole rows at a time.
+            let rows = p + 1;
+            for k in 1..rows {
+                for m in 0..rows - k {
+                    // The lower part's first k coefficients are final, as are the upper part's last ones.
+                    let [into, from] = if upper { [m, m + 1] } else { [rows - 1 - m, rows - 2 - m] };
+                    mix(&mut self.coefficients, q + 1, into, from, if upper { t } else { 1.0 - t });
                 }
             }
-            if upper {
-                for (k, w) in work.iter().enumerate().take(n + 1) {
-                    self.coefficients[base + k * stride] = *w;
+        } else {
+            for row in self.coefficients.chunks_exact_mut(q + 1) {
+                for k in 1..=q {
+                    if upper {
+                        for i in 0..=q - k {
+                            row[i] = (1.0 - t) * row[i] + t * row[i + 1];
+                        }
+                    } else {
+                        for i in (k..=q).rev() {
+                            row[i] = (1.0 - t) * row[i - 1] + t * row[i];
+                        }
+                    }
                 }
             }
         }
+    }
+}
+
+/// Row `into` becomes (1 - share) of itself and `share` of row `from`.
+fn mix(coefficients: &mut [f64], width: usize, into: usize, from: usize, share: f64) {
+    let (low, high) = coefficients.split_at_mut(into.max(from) * width);
+    let [own, other] = if into < from {
+        [&mut low[into * width..][..width], &mut high[..width]]
+    } else {
+        [&mut high[..width], &mut low[from * width..][..width]]
+    };
+    for (a, b) in own.iter_mut().zip(other.iter()) {
+        *a = (1.0 - share) * *a + share * *b;
     }
 }

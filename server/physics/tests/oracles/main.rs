@@ -1,7 +1,9 @@
 //! The engine against what is known exactly. Errors are the largest over all tick states.
 
 mod allocation;
+mod certified_floors;
 mod checkpoints;
 mod known_faults;
 mod repeatable;
 mod scenes;
+mod tight_floors;
