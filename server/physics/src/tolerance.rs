@@ -145,7 +145,7 @@ pub const BRACKET_BOXES_MAX: usize = 60_000;
 /// Relative width at which the bracket of the reach is tight enough; a pair of places costs more than one place.
 pub const REACH_WIDTH: f64 = 1e-3;
 /// Pairs of boxes looked at for the reach.
-pub const REACH_PAIRS_MAX: usize = 100_000;
+pub const REACH_PAIRS_MAX: usize = 250_000;
 
 /// Hits kept for the caller of an advance.
 pub const HITS_KEPT: usize = 65_536;
