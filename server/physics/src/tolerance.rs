@@ -20,9 +20,10 @@ pub const STEP_FIRST: f64 = 0.0625;
 /// Error after doubling a step over error before, against an allowance that grows twofold: 2^9 / 2 = 256 for
 /// a solution of order 8, and a margin of 1.5 that keeps acceptance likely.
 pub const GROWTH_OF_DOUBLING: f64 = 384.0;
-/// Part of the wanted error that the steps of one second may use up. The estimate is of lower order than the
-/// solution and overrates its error, so that half the tolerance each second leaves a margin at 10 s.
-pub const ERROR_PER_SECOND: f64 = 0.5;
+/// Part of the wanted error that the steps of one second may use up. The estimate is of lower order than the solution and
+/// overrates its error, but floors that part neighbouring paths pay back less: a quarter keeps what is asked for from 1e-6
+/// to 1e-12 m on every reference, half misses it by half, and costs up to 7 % fewer steps.
+pub const ERROR_PER_SECOND: f64 = 0.25;
 
 /// Error one step of `h` seconds may have when `tolerance` metres are wanted, m.
 pub fn allowed_error(tolerance: f64, h: f64) -> f64 {

@@ -1,5 +1,6 @@
 //! Errors to exit codes. Each error is said here, once.
 
+use ballroom_cases::UnknownCase;
 use ballroom_client::ClientError;
 use server::{ArenaError, SceneError};
 use std::io::ErrorKind;
@@ -25,7 +26,7 @@ pub fn code_of(error: &anyhow::Error) -> ExitCode {
         error.is::<SceneError>() || matches!(error.downcast_ref::<ArenaError>(), Some(ArenaError::Scene(_)));
     if error.downcast_ref::<ClientError>().is_some_and(ClientError::is_no_server) {
         ExitCode::from(3)
-    } else if matches!(error.downcast_ref(), Some(ClientError::Command(_))) {
+    } else if error.is::<UnknownCase>() || matches!(error.downcast_ref(), Some(ClientError::Command(_))) {
         ExitCode::from(2)
     } else if error.is::<Refused>() {
         ExitCode::from(4)

@@ -66,10 +66,16 @@ impl Hardcases {
         let (mut rows, mut short) = (0, 0);
         for case in &cases {
             let start = Instant::now();
-            let measured = case.run().map_err(|fault| anyhow::anyhow!("case {}: {fault}", case.id))?;
+            let (measured, fault) = match case.run() {
+                Ok(measured) => (measured, None),
+                Err(fault) => (case.unmeasured(), Some(fault.to_string())),
+            };
             let millis = start.elapsed().as_secs_f64() * 1e3;
             rows += measured.len();
             short += measured.iter().filter(|row| !row.is_met()).count();
+            if let Some(fault) = fault {
+                eprintln!("ballroom: case {}: the scene is refused: {fault}", case.id);
+            }
             if self.json {
                 json(&mut out, case, &measured, millis)?;
             } else {

@@ -1,6 +1,7 @@
 //! What the program promises the shell, as far as no session is needed: output, exit codes, refusals.
 
 mod check;
+mod hardcases;
 mod simulate;
 mod usage;
 

@@ -6,8 +6,19 @@ use super::ballroom;
 fn help_names_every_subcommand_and_exit_code() {
     let help = ballroom(&["--help"]);
     assert_eq!(help.code, 0);
-    let commands =
-        ["serve", "check", "steer", "pause", "resume", "step", "reset", "speed", "watch", "simulate"];
+    let commands = [
+        "serve",
+        "check",
+        "steer",
+        "pause",
+        "resume",
+        "step",
+        "reset",
+        "speed",
+        "watch",
+        "simulate",
+        "hardcases",
+    ];
     for command in commands {
         assert!(help.stdout.contains(&format!("\n  {command} ")), "{command} is missing:\n{}", help.stdout);
         assert_eq!(ballroom(&[command, "--help"]).code, 0, "{command} --help");

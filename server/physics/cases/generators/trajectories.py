@@ -2,14 +2,14 @@
 
     python3 trajectories.py [name ...]
 
-Every case is computed twice: order 22 in steps of 1/28 s (1/70 s where the floor bends quickly) with 110 bits, and order 26
-in half of them with 140 bits. The second is written, with the largest difference of any number of the two as its error.
+Every case is computed twice: order 22 in steps of 1/28 s (less where floor or spin turn quickly) with 110 bits, and order 26 in
+half of them with 140 bits. The second is written, with the largest difference of any number of the two as its error.
 """
 import os
 import sys
 
 import gmpy2
-from floors import BICUBIC, BOWL, BUMPS, MONKEY, PARABOLA, PIT, SADDLE, STEEP, TWELVE
+from floors import BICUBIC, BOWL, BUMPS, INCLINE, MONKEY, PARABOLA, PIT, SADDLE, STEEP, TWELVE
 from gmpy2 import mpfr
 from impacts import Pair, Wall, bounce, time_of_impact
 from newton_euler import Ball, step
@@ -17,7 +17,7 @@ from newton_euler import Ball, step
 # Sevenths of a second fall everywhere within the engine's steps, which are powers of two.
 RATE_HZ = 7
 SECONDS = 10
-SUBSTEPS = {PARABOLA: 10, MONKEY: 10, STEEP: 10}
+SUBSTEPS = {"cylinder": 10, "monkey": 10, "steep": 10, "whirl": 40}
 SLIDING, SOLID, HOLLOW = 0, 2 / 5, 2 / 3
 DATA = os.path.join(os.path.dirname(__file__), "..", "data")
 
@@ -29,6 +29,7 @@ def ball(k, radius, contact, velocity, spin=0, mass=1):
 WALLS = [((0.48, 0.36), (-4, -3)), ((-0.75, 0), (12, 5))]
 # name: floor, balls and, if any, what is met and the restitution
 CASES = {
+    "incline-solid": (INCLINE, [ball(SOLID, 0.5, (3, -7), (2, 1.5, 0), 12)]),
     "pit-sliding": (PIT, [ball(SLIDING, 1, (-3, 0), (0, 0, 0))]),
     "pit-solid": (PIT, [ball(SOLID, 1, (-3, 0), (0, 0, 0))]),
     "pit-hollow": (PIT, [ball(HOLLOW, 1, (-3, 0), (0, 0, 0))]),
@@ -54,6 +55,8 @@ CASES = {
     "steep-sliding": (STEEP, [ball(SLIDING, 0.1, (1.13, 0.1), (0, 1.2, 0))]),
     "steep-solid": (STEEP, [ball(SOLID, 0.1, (1.13, 0.1), (0, 1.2, 0), 10)]),
     "steep-hollow": (STEEP, [ball(HOLLOW, 0.1, (1.13, 0.1), (0, 1.2, 0), -15)]),
+    "tight-solid": (BOWL, [ball(SOLID, 1.9, (0.9, 0), (0, 1.1, 0), 2)]),
+    "whirl-hollow": (BUMPS, [ball(HOLLOW, 0.25, (1.2, -0.7), (-0.4, 1.3, 0), 300)]),
     "walls-sliding": (
         BUMPS,
         [ball(SLIDING, 0.25, (0.8, -0.7), (-0.4, 1.3, 0))],
@@ -112,7 +115,7 @@ def run(case, substeps, columns):
 
 def write(case):
     gmpy2.get_context().precision = 110
-    substeps = SUBSTEPS.get(CASES[case][0], 4)
+    substeps = SUBSTEPS.get(case.split("-")[0], 4)
     coarse = run(case, substeps, 11)
     gmpy2.get_context().precision = 140
     fine = run(case, 2 * substeps, 13)

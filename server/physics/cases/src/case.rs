@@ -51,6 +51,11 @@ impl Case {
             .map(|(demand, measured)| Row { demand: demand.clone(), measured })
             .collect())
     }
+
+    /// The rows of a case that could not be run: nothing measured, and so nothing met.
+    pub fn unmeasured(&self) -> Vec<Row> {
+        self.demands.iter().map(|demand| Row { demand: demand.clone(), measured: f64::NAN }).collect()
+    }
 }
 
 impl fmt::Debug for Case {
@@ -88,5 +93,6 @@ mod tests {
         });
         let met: Vec<bool> = case.run().unwrap().iter().map(Row::is_met).collect();
         assert_eq!(met, [true, false, false]);
+        assert!(case.unmeasured().iter().all(|row| !row.is_met()));
     }
 }

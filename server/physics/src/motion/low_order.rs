@@ -3,30 +3,90 @@
 //! They are here to be compared with. Tsitouras' coefficients and interpolant: Ch. Tsitouras, "Runge-Kutta
 //! pairs of order 5(4) satisfying only the first column simplifying assumption", Comput. Math. Appl. 62 (2011).
 
-use super::law::{Law, ROLLING, Stand, angular_velocity, velocity};
+use super::law::{Law, ROLLING, Slope, Stand, angular_velocity, velocity};
 use super::step::{Step, TERMS, combine, cubic_hermite, quintic_hermite};
 use crate::surface::chart::Chart;
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
 
-/// The classical scheme: the state after h.
-pub fn rk4_land<const D: usize, C: Chart>(law: &Law<'_, C>, y: &[f64; D], k1: &[f64; D], h: f64) -> [f64; D] {
-    let k2 = law.slope(&combine(y, h, [(0.5, k1)])).rate;
-    let k3 = law.slope(&combine(y, h, [(0.5, &k2)])).rate;
-    let k4 = law.slope(&combine(y, h, [(1.0, &k3)])).rate;
-    combine(y, h, [(1.0 / 6.0, k1), (1.0 / 3.0, &k2), (1.0 / 3.0, &k3), (1.0 / 6.0, &k4)])
+/// Slopes at the stages, and the angular velocities there: the slopes of the angle turned.
+struct Stages<const D: usize, const N: usize> {
+    rate: [[f64; D]; N],
+    omega: [V3; N],
 }
 
-/// The classical scheme: a whole step with a cubic inside.
+impl<const D: usize, const N: usize> Stages<D, N> {
+    fn first(k1: &[f64; D]) -> Self {
+        let mut stages = Self { rate: [[0.0; D]; N], omega: [V3::zeros(); N] };
+        stages.rate[0] = *k1;
+        stages
+    }
+
+    /// Evaluates stage `i` from those before it.
+    fn enter<C: Chart, const M: usize>(
+        &mut self,
+        i: usize,
+        (law, y, h): (&Law<'_, C>, &[f64; D], f64),
+        weights: [f64; M],
+    ) {
+        let at = combine(y, h, std::array::from_fn::<_, M, _>(|j| (weights[j], &self.rate[j])));
+        let slope = law.slope(&at);
+        self.rate[i] = slope.rate;
+        self.omega[i] = turning(law, &at, &slope);
+    }
+
+    fn end(&self, y: &[f64; D], h: f64, weights: &[f64; N]) -> [f64; D] {
+        combine(y, h, std::array::from_fn::<_, N, _>(|j| (weights[j], &self.rate[j])))
+    }
+}
+
+/// The angular velocity at a state; zero when sliding.
+fn turning<const D: usize, C: Chart>(law: &Law<'_, C>, y: &[f64; D], slope: &Slope<D>) -> V3 {
+    if D < ROLLING {
+        return V3::zeros();
+    }
+    angular_velocity(&slope.normal, &velocity(y), y[5], law.radius)
+}
+
+/// Weights of the classical scheme.
+const RK4_B: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
+
+fn rk4_stages<const D: usize, C: Chart>(
+    law: &Law<'_, C>,
+    y: &[f64; D],
+    k1: &[f64; D],
+    h: f64,
+) -> (Stages<D, 4>, [f64; D]) {
+    let mut k = Stages::first(k1);
+    let from = (law, y, h);
+    k.enter(1, from, [0.5]);
+    k.enter(2, from, [0.0, 0.5]);
+    k.enter(3, from, [0.0, 0.0, 1.0]);
+    let end = k.end(y, h, &RK4_B);
+    (k, end)
+}
+
+/// The classical scheme: the state after h.
+pub fn rk4_land<const D: usize, C: Chart>(law: &Law<'_, C>, y: &[f64; D], k1: &[f64; D], h: f64) -> [f64; D] {
+    rk4_stages(law, y, k1, h).1
+}
+
+/// The classical scheme: a whole step with cubics inside.
 pub fn rk4_step<const D: usize, C: Chart>(
     law: &Law<'_, C>,
     y: &[f64; D],
     first: &Stand<D>,
     h: f64,
 ) -> Step<D> {
-    let end = rk4_land(law, y, &first.slope.rate, h);
-    finish(law, y, first, h, end, None)
+    let (mut k, end) = rk4_stages(law, y, &first.slope.rate, h);
+    let last = law.stand(&end);
+    k.omega[0] = turning(law, y, &first.slope);
+    let omega_end = turning(law, &end, &last.slope);
+    let rise = RK4_B.iter().zip(&k.omega).map(|(b, omega)| omega * *b).sum::<V3>() * h;
+    let turn = cubic_hermite(h, [&[0.0; 3], &rise.into()], [&k.omega[0].into(), &omega_end.into()]);
+    let dense = cubic_hermite(h, [y, &end], [&first.slope.rate, &last.slope.rate]);
+    finish((y, first), (&end, &last), h, (dense, turn))
 }
 
 /// Stages 1 to 5 of Tsitouras' scheme.
@@ -61,29 +121,12 @@ fn tsit5_stages<const D: usize, C: Chart>(
     y: &[f64; D],
     k1: &[f64; D],
     h: f64,
-) -> ([[f64; D]; 6], [f64; D]) {
-    let a = &TSIT5;
-    let mut k = [[0.0; D]; 6];
-    k[0] = *k1;
-    k[1] = law.slope(&combine(y, h, [(a[0][0], &k[0])])).rate;
-    k[2] = law.slope(&combine(y, h, [(a[1][0], &k[0]), (a[1][1], &k[1])])).rate;
-    k[3] = law.slope(&combine(y, h, [(a[2][0], &k[0]), (a[2][1], &k[1]), (a[2][2], &k[2])])).rate;
-    k[4] = law
-        .slope(&combine(y, h, [(a[3][0], &k[0]), (a[3][1], &k[1]), (a[3][2], &k[2]), (a[3][3], &k[3])]))
-        .rate;
-    k[5] = law
-        .slope(&combine(
-            y,
-            h,
-            [(a[4][0], &k[0]), (a[4][1], &k[1]), (a[4][2], &k[2]), (a[4][3], &k[3]), (a[4][4], &k[4])],
-        ))
-        .rate;
-    let b = &TSIT5_B;
-    let end = combine(
-        y,
-        h,
-        [(b[0], &k[0]), (b[1], &k[1]), (b[2], &k[2]), (b[3], &k[3]), (b[4], &k[4]), (b[5], &k[5])],
-    );
+) -> (Stages<D, 6>, [f64; D]) {
+    let mut k = Stages::first(k1);
+    for (i, weights) in (1..).zip(TSIT5) {
+        k.enter(i, (law, y, h), weights);
+    }
+    let end = k.end(y, h, &TSIT5_B);
     (k, end)
 }
 
@@ -104,8 +147,35 @@ pub fn tsit5_step<const D: usize, C: Chart>(
     first: &Stand<D>,
     h: f64,
 ) -> Step<D> {
-    let (k, end) = tsit5_stages(law, y, &first.slope.rate, h);
-    finish(law, y, first, h, end, Some(&k))
+    let (mut k, end) = tsit5_stages(law, y, &first.slope.rate, h);
+    let last = law.stand(&end);
+    k.omega[0] = turning(law, y, &first.slope);
+    let omega_end = turning(law, &end, &last.slope);
+    let turn = tsit5_dense(h, &[0.0; 3], &k.omega.map(V3::into), &omega_end.into());
+    let dense = tsit5_dense(h, y, &k.rate, &last.slope.rate);
+    finish((y, first), (&end, &last), h, (dense, turn))
+}
+
+/// The interpolant of what begins at `y` with these slopes.
+fn tsit5_dense<const D: usize>(
+    h: f64,
+    y: &[f64; D],
+    slopes: &[[f64; D]; 6],
+    last: &[f64; D],
+) -> [[f64; D]; TERMS] {
+    let weights = tsit5_interpolant();
+    let mut dense = [[0.0; D]; TERMS];
+    dense[0] = *y;
+    for power in 0..4 {
+        for i in 0..D {
+            let mut sum = weights[6][power] * last[i];
+            for (w, stage) in weights.iter().zip(slopes) {
+                sum += w[power] * stage[i];
+            }
+            dense[power + 1][i] = h * sum;
+        }
+    }
+    dense
 }
 
 /// `b_i(theta)` of the interpolant in powers theta^1 to theta^4, expanded from its published factors.
@@ -138,47 +208,20 @@ fn tsit5_interpolant() -> [[f64; 4]; 7] {
     ]
 }
 
-fn finish<const D: usize, C: Chart>(
-    law: &Law<'_, C>,
-    y: &[f64; D],
-    start: &Stand<D>,
+/// The step from the states and slopes at its ends, with the state and the angle turned inside.
+fn finish<const D: usize>(
+    (y, first): (&[f64; D], &Stand<D>),
+    (end, last): (&[f64; D], &Stand<D>),
     h: f64,
-    end: [f64; D],
-    tsit5: Option<&[[f64; D]; 6]>,
+    (dense, turn): ([[f64; D]; TERMS], [[f64; 3]; TERMS]),
 ) -> Step<D> {
-    let stop = law.stand(&end);
-    let (first, last) = (&start.slope, &stop.slope);
-    let mut dense = cubic_hermite(h, [y, &end], [&first.rate, &last.rate]);
-    if let Some(k) = tsit5 {
-        let weights = tsit5_interpolant();
-        dense = [[0.0; D]; TERMS];
-        dense[0] = *y;
-        for power in 0..4 {
-            for i in 0..D {
-                let mut sum = weights[6][power] * last.rate[i];
-                for (w, stage) in weights.iter().zip(k) {
-                    sum += w[power] * stage[i];
-                }
-                dense[power + 1][i] = h * sum;
-            }
-        }
-    }
-    let (w0, w1) = (velocity(y), velocity(&end));
-    let accelerations = [velocity(&first.rate), velocity(&last.rate)];
-    let center = quintic_hermite(h, [start.center, stop.center], [w0, w1], accelerations);
-    let mut turn = [V3::zeros(); TERMS];
-    if D == ROLLING {
-        // Linear in between: of the order of the cubic that the state is read from.
-        let omega = [
-            angular_velocity(&first.normal, &w0, y[5], law.radius),
-            angular_velocity(&last.normal, &w1, end[5], law.radius),
-        ];
-        turn[1] = omega[0] * h;
-        turn[2] = (omega[1] - omega[0]) * (0.5 * h);
-    }
+    let accelerations = [velocity(&first.slope.rate), velocity(&last.slope.rate)];
+    let center = quintic_hermite(h, [first.center, last.center], [velocity(y), velocity(end)], accelerations);
     // Linear between the ends is as good as these schemes.
-    let inside = first.reaction + (last.reaction - first.reaction) * super::step::REACTION_AT[1];
-    Step { end, error: 0.0, dense, center, turn, reaction: [first.reaction, inside, last.reaction] }
+    let [begin, stop] = [first.slope.reaction, last.slope.reaction];
+    let inside = begin + (stop - begin) * super::step::REACTION_AT[1];
+    let turn = turn.map(V3::from);
+    Step { end: *end, error: 0.0, dense, center, turn, reaction: [begin, inside, stop] }
 }
 
 #[cfg(test)]

@@ -2,9 +2,6 @@
 
 mod allocation;
 mod checkpoints;
-mod closed_forms;
-mod hard_cases;
 mod known_faults;
 mod repeatable;
 mod scenes;
-mod tables;

@@ -1,7 +1,5 @@
 //! Scenes in few words, and runs that end the test when a scene is refused.
 
-pub use ballroom_cases::hard::rods::rods;
-pub use ballroom_cases::mirror::mirrored_state;
 pub use ballroom_cases::scenes::*;
 use ballroom_cases::{mirror, ride};
 use ballroom_physics::{Controller, Scene};

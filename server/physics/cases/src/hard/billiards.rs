@@ -1,7 +1,8 @@
 //! H8, H9 and billiards between walls at any angle, unfolded.
 //!
 //! Walls are vertical planes without ends, at any angle; a room is where a ball is in front of all of them, and so always
-//! convex. A wedge of pi/n and the equilateral triangle are mirrors that unfold the path into one straight line.
+//! convex. A wall's direction is a pair of f64, off by up to 4e-16 rad: where hits add that up, the demand says so. A wedge
+//! of pi/n and the equilateral triangle are mirrors that unfold the path into one straight line.
 
 use super::rods::rods;
 use crate::case::Case;
@@ -256,7 +257,8 @@ pub fn cases() -> Vec<Case> {
         cases.push(Case::new(
             format!("X5/wedge-1-{law}"),
             "random paths into a wedge of 1 degree: up to 180 hits",
-            [centre(Span::Runs(200), 1e-12), Demand::count("hits", Span::Runs(200))],
+            // 180 directions off by 4e-16 rad, seen from 16 m.
+            [centre(Span::Runs(200), 1e-11), Demand::count("hits", Span::Runs(200))],
             move || wedge(180, 200, motion),
         ));
         cases.push(Case::new(
@@ -265,11 +267,12 @@ pub fn cases() -> Vec<Case> {
             [centre(Span::Seconds(1000.0), 1e-10), Demand::count("hits", Span::Seconds(1000.0))],
             move || triangle(motion),
         ));
-        for sides in [3, 5, 6, 8] {
+        // An even number of walls is off by 1e-15 rad a round, always to one side: 1e-13 rad after 1000 hits and 3 km.
+        for (sides, limit) in [(3, 1e-10), (5, 1e-10), (6, 1e-9), (8, 1e-9)] {
             cases.push(Case::new(
                 format!("X7/closed-{sides}-{law}"),
                 format!("the closed path in a regular polygon of {sides} sides, turned by 0.3 rad"),
-                [centre(Span::Hits(1000), 1e-10), Demand::count("hits", Span::Hits(1000))],
+                [centre(Span::Hits(1000), limit), Demand::count("hits", Span::Hits(1000))],
                 move || closed_path(sides, motion),
             ));
         }

@@ -3,11 +3,15 @@
 pub mod billiards;
 pub mod bullet;
 pub mod cradle;
+mod discs_table;
 pub mod galperin;
 pub mod inelastic;
+pub mod instants;
+pub mod long;
 pub mod rack;
 pub mod rods;
 pub mod row;
+pub mod smooth;
 
 use crate::case::Case;
 
@@ -21,6 +25,9 @@ pub fn cases() -> Vec<Case> {
         billiards::cases(),
         row::cases(),
         inelastic::cases(),
+        smooth::cases(),
+        long::cases(),
+        instants::cases(),
     ]
     .into_iter()
     .flatten()

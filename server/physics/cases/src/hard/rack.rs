@@ -146,6 +146,8 @@ fn crowd_in_a_bowl() -> Scene {
     scene
 }
 
+type Make = fn() -> Scene;
+
 /// The cases of this family.
 pub fn cases() -> Vec<Case> {
     let centres = |seconds| Demand::over_ticks("centres", "m", Span::Seconds(seconds), 1e-12);
@@ -191,7 +193,6 @@ pub fn cases() -> Vec<Case> {
         ],
         symmetric_break,
     ));
-    type Make = fn() -> Scene;
     let mirrors: [(&str, &str, u64, Make); 4] = [
         ("H4/mirror-axis", "a break along the axis in a mirror", 5, || rack(12.0, 0.0)),
         ("H4/mirror-aside", "a break off the axis in a mirror", 5, || rack(12.0, 0.3)),

@@ -65,7 +65,8 @@ impl Reference {
         self.balls[0].k > 0.0
     }
 
-    fn scene(&self, chart: Chart) -> Scene {
+    /// Its scene on one of the charts.
+    pub fn scene(&self, chart: Chart) -> Scene {
         let Ground { shape, half, gravity, .. } = &self.ground;
         let border = [-half, *half];
         let motion = if self.rolls() { MotionLaw::Rolling } else { MotionLaw::Frictionless };
@@ -93,6 +94,7 @@ impl Reference {
         if self.meets() {
             demands.push(Demand { norm: "largest over hits", ..over_ticks("time of impact", "s", 1e-11) });
         }
+        demands.push(Demand::at_the_end("time the floor would have to pull", "s", span, 0.0));
         demands.push(Demand {
             norm: "largest difference of two computations",
             ..over_ticks("reference", "SI", 1e-20)
@@ -104,11 +106,13 @@ impl Reference {
         self.balls.len() > 1 || !self.walls.is_empty()
     }
 
-    fn measure(&self, chart: Chart) -> Result<Vec<f64>, SceneFault> {
+    /// Largest errors of centre, velocity, angular velocity, orientation and times of impact, and the time during which the
+    /// floor would have had to pull, where the scene would no longer be one of balls that roll.
+    pub fn errors(&self, scene: &Scene) -> Result<[f64; 6], SceneFault> {
         let table = Table::read(self.text);
         let mut largest = [Largest::default(); 5];
         let mut hits = vec![];
-        run(&self.scene(chart), RATE_HZ, u64::from(RATE_HZ * SECONDS), |tick, engine| {
+        let engine = run(scene, RATE_HZ, u64::from(RATE_HZ * SECONDS), |tick, engine| {
             hits.extend(engine.hits().iter().map(|hit| hit.time.seconds()));
             for (own, exact) in in_list_order(engine).iter().zip(&table.ticks[tick as usize]) {
                 largest[0].see_center(own, exact.center);
@@ -125,9 +129,15 @@ impl Reference {
             largest[4].see(f64::INFINITY);
         }
         let [center, velocity, spin, orientation, time] = largest.map(Largest::value);
+        Ok([center, velocity, spin, orientation, time, engine.report().negative_reaction])
+    }
+
+    fn measure(&self, chart: Chart) -> Result<Vec<f64>, SceneFault> {
+        let [center, velocity, spin, orientation, time, pull] = self.errors(&self.scene(chart))?;
         let turning = if self.rolls() { vec![spin, orientation] } else { vec![] };
         let times = if self.meets() { vec![time] } else { vec![] };
-        Ok([vec![center, velocity], turning, times, vec![table.own_error]].concat())
+        let own_error = Table::read(self.text).own_error;
+        Ok([vec![center, velocity], turning, times, vec![pull, own_error]].concat())
     }
 
     /// A case for each chart.

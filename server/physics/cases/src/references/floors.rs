@@ -4,6 +4,8 @@ use super::charts::{Shape, bent, leaning};
 use ballroom_physics::Floor;
 use ballroom_physics::surface::bezier::BezierPatch;
 
+/// A plane, on which arcs are parabolas.
+pub const INCLINE: Shape = Shape::Terms(&[(1, 0, 0.25)]);
 /// B1, B2, B8: a parabolic cylinder.
 pub const PARABOLA: Shape = Shape::Terms(&[(2, 0, 0.75)]);
 /// B3, B4: a paraboloid.
@@ -95,10 +97,10 @@ impl Chart {
                 Floor::Bezier(patch)
             }
             (Self::Net, _) => Floor::Bezier(shape.over(&bent(half, 0.0, true), &bent(half, 0.0, false))),
-            (Self::Bent, _) => Floor::Bezier(shape.over(&bent(half, 0.25, true), &bent(half, -0.2, false))),
+            (Self::Bent, _) => Floor::Bezier(shape.over(&bent(half, 0.45, true), &bent(half, -0.45, false))),
             (Self::Leaning, _) => {
-                let wide = half / 0.8;
-                Floor::Bezier(shape.over(&leaning(wide, 0.2, true), &leaning(wide, -0.1, false)))
+                let wide = half / 0.55;
+                Floor::Bezier(shape.over(&leaning(wide, 0.45, true), &leaning(wide, -0.45, false)))
             }
         }
     }

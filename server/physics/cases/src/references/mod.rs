@@ -10,7 +10,9 @@ mod floors;
 mod table;
 
 use crate::case::Case;
+use crate::ride::Largest;
 use crate::scenes::{HOLLOW, SOLID};
+use ballroom_physics::{Accuracy, Scene, SceneFault};
 use compare::{Ground, Reference, Start};
 use floors::Chart;
 
@@ -42,6 +44,7 @@ macro_rules! reference {
 }
 
 fn with_symmetry() -> Vec<Reference> {
+    let incline = Ground { shape: floors::INCLINE, half: 64.0, ..BUMPS };
     let pit = Ground { shape: floors::pit(), half: 10.0, gravity: 9.8, charts: PLAIN };
     let cylinder = Ground { shape: floors::PARABOLA, half: 8.0, gravity: 9.81, charts: ALL };
     let bowl = Ground { shape: floors::BOWL, half: 3.0, ..cylinder.clone() };
@@ -49,6 +52,12 @@ fn with_symmetry() -> Vec<Reference> {
     let across = |k| ball(0.2, k, [0.8, 0.0], [0.0, 0.0], 0.0);
     let orbit = |k, spin| ball(0.1, k, [0.9, 0.0], [0.0, 1.1], spin);
     vec![
+        reference!(
+            incline,
+            "incline-solid",
+            "across an incline, solid with spin",
+            ball(0.5, SOLID, [3.0, -7.0], [2.0, 1.5], 12.0)
+        ),
         reference!(pit, "pit-sliding", "released in the pit, sliding", released(SLIDING)),
         reference!(pit, "pit-solid", "released in the pit, solid", released(SOLID)),
         reference!(pit, "pit-hollow", "released in the pit, hollow", released(HOLLOW)),
@@ -62,19 +71,57 @@ fn with_symmetry() -> Vec<Reference> {
         ),
         reference!(bowl, "bowl-sliding", "round a paraboloid, sliding", orbit(SLIDING, 0.0)),
         reference!(bowl, "bowl-hollow", "round a paraboloid, hollow with spin", orbit(HOLLOW, 11.0)),
+        reference!(
+            bowl,
+            "tight-solid",
+            "curvature 0.95 of what the radius allows",
+            ball(1.9, SOLID, [0.9, 0.0], [0.0, 1.1], 2.0)
+        ),
     ]
 }
 
+const BUMPS: Ground = Ground { shape: floors::BUMPS, half: 3.0, gravity: 9.81, charts: ALL };
+
+fn over_bumps(k: f64, spin: f64) -> Start {
+    ball(0.25, k, [1.2, -0.7], [-0.4, 1.3], spin)
+}
+
+fn bumps_solid() -> Reference {
+    reference!(
+        BUMPS,
+        "bumps-solid",
+        "over a floor without symmetry, solid with spin",
+        over_bumps(SOLID, -9.0)
+    )
+}
+
+/// Largest errors of centre, velocity, angular velocity and orientation beside the reference `bumps-solid`.
+pub fn bumps_errors(accuracy: Accuracy) -> Result<[f64; 4], SceneFault> {
+    let reference = bumps_solid();
+    let scene = Scene { accuracy, ..reference.scene(Chart::Plain) };
+    let [center, velocity, spin, orientation, ..] = reference.errors(&scene)?;
+    Ok([center, velocity, spin, orientation])
+}
+
 fn without_symmetry() -> Vec<Reference> {
-    let bumps = Ground { shape: floors::BUMPS, half: 3.0, gravity: 9.81, charts: ALL };
-    let bicubic = Ground { shape: floors::bicubic(), half: 1.5, charts: NETS, ..bumps.clone() };
-    let twelve = Ground { shape: floors::twelve(), half: 2.0, charts: PLAIN, ..bumps.clone() };
-    let over = |k, spin| ball(0.25, k, [1.2, -0.7], [-0.4, 1.3], spin);
+    let bicubic = Ground { shape: floors::bicubic(), half: 1.5, charts: NETS, ..BUMPS };
+    let twelve = Ground { shape: floors::twelve(), half: 2.0, charts: PLAIN, ..BUMPS };
     let bumpy = |k, spin| ball(0.05, k, [-0.6, -0.24], [1.0, 0.6], spin);
     let dozen = |k, spin| ball(0.1, k, [0.7, -0.3], [-0.5, 0.9], spin);
     vec![
-        reference!(bumps, "bumps-sliding", "over a floor without symmetry, sliding", over(SLIDING, 0.0)),
-        reference!(bumps, "bumps-solid", "over a floor without symmetry, solid with spin", over(SOLID, -9.0)),
+        reference!(
+            BUMPS,
+            "bumps-sliding",
+            "over a floor without symmetry, sliding",
+            over_bumps(SLIDING, 0.0)
+        ),
+        bumps_solid(),
+        reference!(
+            BUMPS,
+            "whirl-hollow",
+            "over a floor without symmetry with 300 rad/s",
+            over_bumps(HOLLOW, 300.0)
+        ),
         reference!(bicubic, "bicubic-sliding", "over a bumpy bicubic, sliding", bumpy(SLIDING, 0.0)),
         reference!(bicubic, "bicubic-solid", "over a bumpy bicubic, solid with spin", bumpy(SOLID, 16.0)),
         reference!(bicubic, "bicubic-hollow", "over a bumpy bicubic, hollow with spin", bumpy(HOLLOW, -12.0)),
@@ -84,7 +131,7 @@ fn without_symmetry() -> Vec<Reference> {
     ]
 }
 
-fn saddles_and_walls() -> Vec<Reference> {
+fn saddles_and_steep() -> Vec<Reference> {
     let saddle = Ground { shape: floors::SADDLE, half: 2.0, gravity: 9.81, charts: ALL };
     let monkey = Ground { shape: floors::MONKEY, half: 2.5, ..saddle.clone() };
     let steep = Ground { shape: floors::STEEP, half: 1.5, ..saddle.clone() };
@@ -105,7 +152,6 @@ fn saddles_and_walls() -> Vec<Reference> {
 }
 
 fn with_hits() -> Vec<Reference> {
-    let bumps = Ground { shape: floors::BUMPS, half: 3.0, gravity: 9.81, charts: ALL };
     let first = |k, spin| ball(0.25, k, [0.8, -0.7], [-0.4, 1.3], spin);
     let light = |k, spin| Start { mass: 0.5, ..ball(0.2, k, [-0.8, 0.3], [0.2, 0.0], spin) };
     let corner = vec![[[0.48, 0.36], [-4.0, -3.0]], [[-0.75, 0.0], [12.0, 5.0]]];
@@ -113,7 +159,7 @@ fn with_hits() -> Vec<Reference> {
         Reference {
             walls: corner.clone(),
             ..reference!(
-                bumps,
+                BUMPS,
                 "walls-sliding",
                 "between slanting walls on bumps, sliding",
                 first(SLIDING, 0.0)
@@ -122,10 +168,10 @@ fn with_hits() -> Vec<Reference> {
         Reference {
             walls: corner,
             restitution: 0.875,
-            ..reference!(bumps, "walls-solid", "between slanting walls on bumps, solid", first(SOLID, -9.0))
+            ..reference!(BUMPS, "walls-solid", "between slanting walls on bumps, solid", first(SOLID, -9.0))
         },
         reference!(
-            bumps,
+            BUMPS,
             "pair-sliding",
             "two meet on bumps, sliding",
             first(SLIDING, 0.0),
@@ -134,7 +180,7 @@ fn with_hits() -> Vec<Reference> {
         Reference {
             restitution: 0.875,
             ..reference!(
-                bumps,
+                BUMPS,
                 "pair-rolling",
                 "solid and hollow meet on bumps",
                 first(SOLID, -9.0),
@@ -144,9 +190,19 @@ fn with_hits() -> Vec<Reference> {
     ]
 }
 
+/// The largest error of a centre beside any reference without hits, m.
+pub fn largest_error(accuracy: Accuracy) -> Result<f64, SceneFault> {
+    let mut largest = Largest::default();
+    for reference in [with_symmetry(), without_symmetry(), saddles_and_steep()].into_iter().flatten() {
+        let scene = Scene { accuracy, ..reference.scene(Chart::Plain) };
+        largest.see(reference.errors(&scene)?[0]);
+    }
+    Ok(largest.value())
+}
+
 /// Every case of this room.
 pub fn cases() -> Vec<Case> {
-    [with_symmetry(), without_symmetry(), saddles_and_walls(), with_hits()]
+    [with_symmetry(), without_symmetry(), saddles_and_steep(), with_hits()]
         .into_iter()
         .flatten()
         .flat_map(Reference::cases)

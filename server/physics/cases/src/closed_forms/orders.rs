@@ -1,0 +1,54 @@
+//! What order every scheme of fixed step shows over all ticks, inside steps too, beside the reference `bumps-solid`; and
+//! whether an error asked for is kept, beside every reference without hits.
+
+use crate::case::Case;
+use crate::demand::{Demand, Span};
+use crate::references::{bumps_errors, largest_error};
+use ballroom_physics::{Accuracy, SceneFault, Scheme};
+
+/// The scheme's order less those observed for centre, velocity, angular velocity and orientation, from a step to its half;
+/// negative where more is seen.
+fn missing(scheme: Scheme, order: f64, step: f64) -> Result<[f64; 4], SceneFault> {
+    let coarse = bumps_errors(Accuracy::Fixed(scheme, step))?;
+    let fine = bumps_errors(Accuracy::Fixed(scheme, 0.5 * step))?;
+    Ok(std::array::from_fn(|part| order - (coarse[part] / fine[part]).log2()))
+}
+
+/// The cases of this family.
+pub fn cases() -> Vec<Case> {
+    let span = Span::Seconds(10.0);
+    let mut cases = vec![];
+    for (name, scheme, order, step) in [
+        ("rk4", Scheme::Rk4, 4.0, 0.02),
+        ("tsit5", Scheme::Tsit5, 5.0, 0.02),
+        ("dop853", Scheme::Dop853, 8.0, 0.2),
+    ] {
+        let demand = |quantity| Demand {
+            norm: "of the largest error over ticks, from a step to its half",
+            ..Demand::over_ticks(quantity, "1", span, 0.5)
+        };
+        cases.push(Case::new(
+            format!("O/{name}"),
+            format!("the order of {name}, which is {order}"),
+            [
+                demand("order of the scheme less that of the centre"),
+                demand("order of the scheme less that of the velocity"),
+                demand("order of the scheme less that of the angular velocity"),
+                demand("order of the scheme less that of the orientation"),
+            ],
+            move || missing(scheme, order, step),
+        ));
+    }
+    for tolerance in [1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12] {
+        cases.push(Case::new(
+            format!("O/asked-{tolerance:e}"),
+            format!("{tolerance:e} m asked for over 10 s"),
+            [Demand {
+                norm: "largest over ticks and references without hits",
+                ..Demand::over_ticks("centre", "m", span, tolerance)
+            }],
+            move || Ok([largest_error(Accuracy::Tolerance(tolerance))?]),
+        ));
+    }
+    cases
+}
