@@ -76,15 +76,17 @@ pub struct World {
     pub snapshot: Snapshot,
 }
 
-/// A u64 as 16 hexadecimal digits.
-mod hex {
+/// A u64 as 16 hexadecimal digits, for serde's `with`.
+pub mod hex {
     use serde::{Deserialize, Deserializer, Serializer, de::Error};
 
+    /// Writes it.
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands fields over by reference")]
     pub fn serialize<S: Serializer>(hash: &u64, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(&format_args!("{hash:016x}"))
     }
 
+    /// Reads it back.
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
         let text = String::deserialize(deserializer)?;
         let digits = text.len() == 16 && text.bytes().all(|b| b.is_ascii_hexdigit());

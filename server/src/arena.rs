@@ -3,6 +3,7 @@
 use crate::handover::Handover;
 use crate::inbox::Inbox;
 use crate::network::{self, NetworkError};
+use crate::recording::{RecordOptions, Recorder, RecordingError, Tape};
 use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
 use crate::tick_loop::TickLoop;
@@ -34,6 +35,8 @@ pub struct ArenaOptions {
     pub config: Option<PathBuf>,
     /// Single settings of Zenoh, applied last.
     pub settings: Vec<Setting>,
+    /// What to record, if anything.
+    pub record: Option<RecordOptions>,
 }
 
 impl Default for ArenaOptions {
@@ -46,6 +49,7 @@ impl Default for ArenaOptions {
             connect: Vec::new(),
             config: None,
             settings: Vec::new(),
+            record: None,
         }
     }
 }
@@ -59,6 +63,9 @@ pub enum ArenaError {
     /// The network cannot be reached.
     #[error(transparent)]
     Network(#[from] NetworkError),
+    /// The recording cannot be begun.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
     /// The rate is out of its range.
     #[error("a tick rate of {0} Hz is out of range: use 1 to 1000")]
     Rate(u32),
@@ -82,12 +89,21 @@ impl Arena {
         let stop = Arc::new(AtomicBool::new(false));
         let network = network::Network::open(options, &simulation, &inbox, handover.clone())?;
         let endpoints = network.endpoints().to_vec();
-        let tick_loop = TickLoop::new(simulation, inbox, handover, stop.clone(), options.paused);
+        let (tape, recorder) = match &options.record {
+            Some(record) => {
+                let (recorder, tape) = Recorder::create(record, &simulation)?;
+                let thread = std::thread::Builder::new().name("record".into());
+                (tape, Some(thread.spawn(move || recorder.run())?))
+            }
+            None => (Tape::default(), None),
+        };
+        let tick_loop =
+            TickLoop::new(simulation, inbox, handover, stop.clone(), options.paused).recorded_on(tape);
         let threads = vec![
             std::thread::Builder::new().name("tick".into()).spawn(move || tick_loop.run())?,
             std::thread::Builder::new().name("publish".into()).spawn(move || network.run())?,
         ];
-        Ok(ArenaHandle { endpoints, stop, threads })
+        Ok(ArenaHandle { endpoints, stop, threads, recorder })
     }
 }
 
@@ -101,6 +117,8 @@ pub struct ArenaHandle {
     endpoints: Vec<String>,
     stop: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
+    /// Apart: a recording that ends early does not end the arena.
+    recorder: Option<JoinHandle<()>>,
 }
 
 impl ArenaHandle {
@@ -132,7 +150,11 @@ impl ArenaHandle {
     fn finish(&mut self) -> bool {
         self.stop();
         // Not short-circuiting: every thread is waited for.
-        self.threads.drain(..).map(JoinHandle::join).fold(true, |well, ended| well & ended.is_ok())
+        self.threads
+            .drain(..)
+            .chain(self.recorder.take())
+            .map(JoinHandle::join)
+            .fold(true, |well, ended| well & ended.is_ok())
     }
 }
 

@@ -12,6 +12,7 @@
 //! | [`tick_loop`] | a fixed rate, on a plain thread |
 //! | [`meter`] | how long ticks take |
 //! | [`handover`] | from the tick thread to the publisher |
+//! | [`recording`] | what a run was given and what became of it, in a file; and the run again |
 //! | `network` | the only place that names Zenoh |
 //! | [`arena`] | all of it together |
 
@@ -20,6 +21,7 @@ pub mod handover;
 pub mod inbox;
 pub mod meter;
 mod network;
+pub mod recording;
 pub mod scene_file;
 pub mod simulation;
 pub mod tick_loop;

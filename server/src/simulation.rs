@@ -158,6 +158,11 @@ impl Simulation {
         out.steps = report.steps;
     }
 
+    /// Hash of everything that influences the future; what holds a force and until when follows from the commands.
+    pub fn state_hash(&self) -> u64 {
+        self.controller.state_hash()
+    }
+
     /// Hits of the last advance.
     pub fn hits(&self) -> &[Hit] {
         self.controller.hits()

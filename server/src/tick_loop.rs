@@ -3,6 +3,7 @@
 use crate::handover::{HITS_CAPACITY, Handover};
 use crate::inbox::{Answer, Answered, ENDING, Inbox, Request};
 use crate::meter::Meter;
+use crate::recording::Tape;
 use crate::simulation::{NumberedHit, Simulation};
 use protocol::command::{Command, Reply};
 use protocol::stats::Stats;
@@ -33,6 +34,7 @@ pub struct TickLoop {
     requests: Vec<Request>,
     answers: Vec<Answered>,
     hits: Vec<NumberedHit>,
+    tape: Tape,
 }
 
 /// Steps still to be made while the clock stands.
@@ -64,7 +66,15 @@ impl TickLoop {
             requests: Vec::with_capacity(crate::inbox::INBOX_CAPACITY),
             answers: Vec::with_capacity(crate::inbox::INBOX_CAPACITY),
             hits: Vec::with_capacity(HITS_CAPACITY),
+            tape: Tape::default(),
         }
+    }
+
+    /// The same, with what is done written down.
+    #[must_use]
+    pub fn recorded_on(mut self, tape: Tape) -> Self {
+        self.tape = tape;
+        self
     }
 
     /// Runs until told to stop: drain, advance, hand over, sleep to the next deadline.
@@ -94,6 +104,7 @@ impl TickLoop {
             }
             self.report_each_second();
         }
+        self.tape.end(&self.simulation);
         self.refuse_what_waits();
     }
 
@@ -128,6 +139,7 @@ impl TickLoop {
 
     fn tick(&mut self) {
         self.simulation.advance();
+        self.tape.ticked(&self.simulation, self.paused);
         let epoch = self.simulation.epoch();
         let hits = self.simulation.hits();
         // The handover has no room for more, and a tick takes no memory; the numbers tell what is missing.
@@ -144,6 +156,7 @@ impl TickLoop {
     fn make_steps(&mut self, until: Instant) {
         let Some(last_tick) = self.stepping.as_ref().map(|stepping| stepping.last_tick) else { return };
         while self.simulation.tick() < last_tick {
+            self.tape.give_way();
             let began = Instant::now();
             self.tick();
             self.meter.record(began.elapsed());
@@ -177,6 +190,7 @@ impl TickLoop {
     }
 
     fn apply(&mut self, Request { command, answer }: Request) {
+        let at = (self.simulation.epoch(), self.simulation.tick());
         let done = match &command {
             Command::Steer { ball, direction, mode } => {
                 self.simulation.steer(ball.as_deref(), *direction, *mode)
@@ -198,6 +212,7 @@ impl TickLoop {
                 self.inbox.count_accepted();
                 let last_tick = self.simulation.tick() + ticks;
                 self.stepping = Some(Stepping { last_tick, answer });
+                self.tape.obeyed(at, command, &self.simulation);
                 return;
             }
             Command::Reset {} => {
@@ -215,6 +230,7 @@ impl TickLoop {
         };
         if done.is_ok() {
             self.inbox.count_accepted();
+            self.tape.obeyed(at, command, &self.simulation);
         } else {
             self.inbox.count_refused();
         }

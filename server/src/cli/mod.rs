@@ -7,6 +7,7 @@ mod connection;
 mod exit;
 mod hardcases;
 mod lines;
+mod replay;
 mod serve;
 mod signals;
 mod simulate;
@@ -50,6 +51,7 @@ enum Subcommands {
     Speed(clock::Speed),
     Watch(watch::Watch),
     Simulate(simulate::Simulate),
+    Replay(replay::Replay),
     Hardcases(hardcases::Hardcases),
 }
 
@@ -74,6 +76,7 @@ pub fn main() -> ExitCode {
         Subcommands::Speed(speed) => speed.run(),
         Subcommands::Watch(watch) => watch.run(),
         Subcommands::Simulate(simulate) => simulate.run(),
+        Subcommands::Replay(replay) => replay.run(),
         Subcommands::Hardcases(hardcases) => hardcases.run(),
     };
     done.map_or_else(|error| exit::code_of(&error), |()| ExitCode::SUCCESS)

@@ -5,8 +5,10 @@ use super::connection::ZenohFlags;
 use super::signals::abort_on_signal;
 use anyhow::bail;
 use protocol::keys::Name;
+use server::recording::{MAX_HASH_EVERY_TICKS, RecordOptions};
 use server::{Arena, ArenaOptions};
 use std::io::Write;
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// Run a scene and serve it over Zenoh; the endpoint goes to stdout
@@ -16,6 +18,7 @@ Examples:
   ballroom serve
   ballroom serve thousand --rate 120
   ballroom serve gas --balls 10000
+  ballroom serve thousand --record ride.mcap
   ballroom serve my_scene.toml -l tcp/127.0.0.1:7500 --paused
 
 Without -l it listens on tcp/127.0.0.1:7447, or the next free port, and only this machine can reach it.")]
@@ -42,6 +45,31 @@ pub struct Serve {
     /// Begin with the clock standing
     #[arg(long)]
     paused: bool,
+    #[command(flatten)]
+    recording: Recording,
+}
+
+/// What is written down.
+#[derive(clap::Args)]
+struct Recording {
+    /// Record scene, commands, hashes and states into a new MCAP file, for `ballroom replay`
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// States recorded a simulated second; 0 for none
+    #[arg(long, value_name = "HZ", default_value_t = 10, requires = "record")]
+    #[arg(value_parser = clap::value_parser!(u32).range(0..=1000))]
+    record_states_hz: u32,
+    /// Ticks between two recorded hashes
+    #[arg(long, value_name = "TICKS", default_value_t = 1, requires = "record")]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=MAX_HASH_EVERY_TICKS))]
+    record_hash_every: u64,
+}
+
+impl Recording {
+    fn options(self) -> Option<RecordOptions> {
+        let Self { record, record_states_hz: states_hz, record_hash_every: hash_every_ticks } = self;
+        record.map(|file| RecordOptions { file, hash_every_ticks, states_hz })
+    }
 }
 
 impl Serve {
@@ -55,6 +83,7 @@ impl Serve {
             connect: self.connect,
             config: self.zenoh.config,
             settings: self.zenoh.cfg,
+            record: self.recording.options(),
         };
         let abort = abort_on_signal()?;
         let arena = Arena::start(&scene, &options)?;

@@ -92,6 +92,21 @@ impl SceneText {
         self
     }
 
+    /// Where it came from, for messages.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// The whole text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// How many balls are wanted, when it is not what the text says.
+    pub const fn balls(&self) -> Option<u32> {
+        self.balls
+    }
+
     /// Reads and checks it, and places its clouds.
     pub fn load(&self) -> Result<LoadedScene, SceneError> {
         let mut scene = parse(&self.file, &self.text)?;
@@ -163,6 +178,11 @@ pub(crate) struct Card {
 }
 
 impl LoadedScene {
+    /// The text it was read from.
+    pub const fn source(&self) -> &SceneText {
+        &self.source
+    }
+
     /// The scene as people wrote it and viewers get it.
     pub const fn scene(&self) -> &Arc<Scene> {
         &self.scene

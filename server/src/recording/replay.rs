@@ -1,0 +1,218 @@
+//! The run again, from the file alone and as fast as it goes, compared with what was recorded.
+
+use super::{CommandLine, EndLine, HashLine, Line, Reader, RecordingFault};
+use crate::scene_file::{SceneError, SceneText};
+use crate::simulation::Simulation;
+use protocol::codec;
+use protocol::command::Command;
+use protocol::snapshot::Snapshot;
+use serde::Serialize;
+use std::io::Read;
+use std::sync::Arc;
+
+/// Why there is no verdict.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// The file is not usable.
+    #[error(transparent)]
+    File(#[from] RecordingFault),
+    /// Its scene is not.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// It was told to stop.
+    #[error("stopped before the end")]
+    Stopped,
+}
+
+/// How the file ends.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ending {
+    /// With everything in it.
+    Complete,
+    /// The recorder gave up, and says why.
+    Incomplete(String),
+    /// In the middle: the server was killed, or the file was not copied whole.
+    Cut,
+}
+
+/// Where the run and the recording part.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Difference {
+    /// Epoch of the first difference.
+    pub epoch: u64,
+    /// Its tick.
+    pub tick: u64,
+    /// In what: `hash`, `state`, `command`, `end`.
+    pub what: &'static str,
+    /// As recorded.
+    pub recorded: String,
+    /// As replayed.
+    pub replayed: String,
+}
+
+/// What came of a replay.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Verdict {
+    /// Ticks made.
+    pub ticks: u64,
+    /// Commands applied.
+    pub commands: u64,
+    /// Hashes compared.
+    pub hashes: u64,
+    /// States compared.
+    pub states: u64,
+    /// How the file ends; none when the replay ended before, at a difference.
+    pub ending: Option<Ending>,
+    /// The first difference.
+    pub difference: Option<Difference>,
+    /// Version of the program that recorded.
+    pub program: String,
+}
+
+/// Runs a recording again, up to its end or the first difference. `stop` is asked before every message.
+pub fn replay<R: Read>(reader: &mut Reader<R>, stop: impl Fn() -> bool) -> Result<Verdict, ReplayError> {
+    let scene = match reader.next_line()? {
+        Some(Line::Scene(scene)) => scene,
+        _ => return Err(RecordingFault::Damaged("it does not begin with a scene".to_owned()).into()),
+    };
+    let loaded = SceneText::new(scene.file, scene.toml).with_balls(scene.balls).load()?;
+    let head = reader.head();
+    let mut run = Run {
+        simulation: Simulation::new(Arc::new(loaded), head.tick_rate_hz, head.epoch)?,
+        longest_gap: head.hash_every_ticks,
+        verdict: Verdict {
+            ticks: 0,
+            commands: 0,
+            hashes: 0,
+            states: 0,
+            ending: None,
+            difference: None,
+            program: head.program.clone(),
+        },
+        state: Snapshot::default(),
+        frame: Vec::new(),
+    };
+    while run.verdict.difference.is_none() {
+        if stop() {
+            return Err(ReplayError::Stopped);
+        }
+        let line = match reader.next_line() {
+            Ok(Some(line)) if run.verdict.ending.is_none() => line,
+            Ok(None) if run.verdict.ending.is_some() => break,
+            Ok(_) => return Err(RecordingFault::Damaged("its end is not its last message".to_owned()).into()),
+            Err(RecordingFault::Cut) => {
+                run.verdict.ending = Some(Ending::Cut);
+                break;
+            }
+            Err(fault) => return Err(fault.into()),
+        };
+        run.verdict.difference = run.compare(line)?;
+    }
+    Ok(run.verdict)
+}
+
+struct Run {
+    simulation: Simulation,
+    longest_gap: u64,
+    verdict: Verdict,
+    state: Snapshot,
+    frame: Vec<u8>,
+}
+
+impl Run {
+    /// Goes to the moment of a message and does or compares what it says.
+    fn compare(&mut self, line: Line) -> Result<Option<Difference>, RecordingFault> {
+        match line {
+            Line::Scene(_) => Err(RecordingFault::Damaged("it holds a second scene".to_owned())),
+            Line::Command(line) => self.command(&line),
+            Line::Hash(line) => {
+                self.verdict.hashes += 1;
+                self.hash("hash", line)
+            }
+            Line::State(frame) => self.state(&frame),
+            Line::End(line) => self.end(line),
+        }
+    }
+
+    fn command(&mut self, line: &CommandLine) -> Result<Option<Difference>, RecordingFault> {
+        let CommandLine { epoch, tick, order, command } = line;
+        if *order != self.verdict.commands {
+            let lost = format!("command {} is missing or out of order", self.verdict.commands);
+            return Err(RecordingFault::Damaged(lost));
+        }
+        command.check().map_err(|fault| RecordingFault::Damaged(format!("command {order}: {fault}")))?;
+        self.advance_to(*epoch, *tick)?;
+        self.verdict.commands += 1;
+        let refused = obey(&mut self.simulation, command).err();
+        Ok(refused.map(|why| self.difference("command", "obeyed".to_owned(), format!("refused: {why}"))))
+    }
+
+    fn hash(&mut self, what: &'static str, line: HashLine) -> Result<Option<Difference>, RecordingFault> {
+        self.advance_to(line.epoch, line.tick)?;
+        let hashes = [line.state_hash, self.simulation.state_hash()];
+        let [recorded, replayed] = hashes.map(|hash| format!("{hash:016x}"));
+        Ok((hashes[0] != hashes[1]).then(|| self.difference(what, recorded, replayed)))
+    }
+
+    /// Byte by byte, but for what the wall clock and the pause say, which are no part of a run.
+    fn state(&mut self, frame: &[u8]) -> Result<Option<Difference>, RecordingFault> {
+        let recorded = codec::decode_state(frame);
+        let recorded = recorded.map_err(|e| RecordingFault::Damaged(format!("a state: {e}")))?;
+        self.advance_to(recorded.epoch, recorded.tick)?;
+        self.simulation.write_snapshot(&mut self.state);
+        (self.state.wall_ns, self.state.paused) = (recorded.wall_ns, recorded.paused);
+        codec::encode_state(&self.state, &mut self.frame);
+        self.verdict.states += 1;
+        let equal = self.frame == frame;
+        Ok((!equal).then(|| self.difference("state", "another state".to_owned(), "this state".to_owned())))
+    }
+
+    fn end(&mut self, line: EndLine) -> Result<Option<Difference>, RecordingFault> {
+        let EndLine { epoch, tick, state_hash, .. } = line;
+        let Verdict { commands, hashes, states, .. } = self.verdict;
+        if [line.commands, line.hashes, line.states] != [commands, hashes, states] {
+            return Err(RecordingFault::Damaged("messages are missing".to_owned()));
+        }
+        if !line.complete {
+            self.verdict.ending = Some(Ending::Incomplete(line.why));
+            return Ok(None);
+        }
+        self.verdict.ending = Some(Ending::Complete);
+        self.hash("end", HashLine { epoch, tick, state_hash })
+    }
+
+    /// No record is further from the one before than two hashes are: nobody's file makes this run for ever.
+    fn advance_to(&mut self, epoch: u64, tick: u64) -> Result<(), RecordingFault> {
+        let here = (self.simulation.epoch(), self.simulation.tick());
+        let ticks = tick.checked_sub(here.1).filter(|ticks| epoch == here.0 && *ticks <= self.longest_gap);
+        let Some(ticks) = ticks else {
+            return Err(RecordingFault::Damaged(format!(
+                "after tick {} of epoch {} it goes on at tick {tick} of epoch {epoch}",
+                here.1, here.0
+            )));
+        };
+        for _ in 0..ticks {
+            self.simulation.advance();
+        }
+        self.verdict.ticks += ticks;
+        Ok(())
+    }
+
+    fn difference(&self, what: &'static str, recorded: String, replayed: String) -> Difference {
+        let (epoch, tick) = (self.simulation.epoch(), self.simulation.tick());
+        Difference { epoch, tick, what, recorded, replayed }
+    }
+}
+
+/// What a command does to the world; the clock is none of a replay's.
+fn obey(simulation: &mut Simulation, command: &Command) -> Result<(), String> {
+    match command {
+        Command::Steer { ball, direction, mode } => simulation.steer(ball.as_deref(), *direction, *mode),
+        Command::Reset {} => {
+            simulation.reset();
+            Ok(())
+        }
+        Command::Pause {} | Command::Resume {} | Command::Step { .. } | Command::Speed { .. } => Ok(()),
+    }
+}
