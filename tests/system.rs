@@ -8,5 +8,7 @@ mod hostile;
 mod processes;
 #[path = "system/recordings.rs"]
 mod recordings;
+#[path = "system/replays.rs"]
+mod replays;
 #[path = "system/states.rs"]
 mod states;

@@ -93,3 +93,6 @@ impl RecordOptions {
         if every == 0 { 1 } else { every as u64 }
     }
 }
+
+#[cfg(test)]
+mod tests;

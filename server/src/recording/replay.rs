@@ -56,6 +56,10 @@ pub struct Difference {
 pub struct Verdict {
     /// Ticks made.
     pub ticks: u64,
+    /// Where it came to: the epoch,
+    pub last_epoch: u64,
+    /// and the tick of it.
+    pub last_tick: u64,
     /// Commands applied.
     pub commands: u64,
     /// Hashes compared.
@@ -83,6 +87,8 @@ pub fn replay<R: Read>(reader: &mut Reader<R>, stop: impl Fn() -> bool) -> Resul
         longest_gap: head.hash_every_ticks,
         verdict: Verdict {
             ticks: 0,
+            last_epoch: head.epoch,
+            last_tick: 0,
             commands: 0,
             hashes: 0,
             states: 0,
@@ -108,6 +114,7 @@ pub fn replay<R: Read>(reader: &mut Reader<R>, stop: impl Fn() -> bool) -> Resul
             Err(fault) => return Err(fault.into()),
         };
         run.verdict.difference = run.compare(line)?;
+        (run.verdict.last_epoch, run.verdict.last_tick) = (run.simulation.epoch(), run.simulation.tick());
     }
     Ok(run.verdict)
 }
