@@ -210,8 +210,7 @@ impl Controller {
             cluster.impulses[0] = resolve_one(&mut cluster.members, &cluster.contacts[0], elastic);
         } else {
             self.report.clusters += 1;
-            // One for all: a neighbour that closes by rounding must not take the others' rebound.
-            let e = |_closing: f64| elastic;
+            let e = |closing: f64| if closing <= REST_SPEED { 0.0 } else { elastic };
             let Cluster { members, contacts, impulses, .. } = &mut cluster;
             if !resolve_cluster(members, contacts, e, impulses, &mut self.work.scratch) {
                 self.report.fallbacks += 1;
