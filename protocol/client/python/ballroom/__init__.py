@@ -1,0 +1,45 @@
+"""Drive and watch a Ballroom server.
+
+with ballroom.connect() as server:
+    server.pause()
+    server.steer("player", "up")
+    state = server.step(60)
+    print(state.time_s, state["player"].center_m)
+"""
+
+from ballroom.env import Env, VectorEnv
+from ballroom.errors import (
+    BallroomError,
+    FrameError,
+    NoAnswerError,
+    NoServerError,
+    OutOfStepError,
+    RefusedError,
+)
+from ballroom.feeds import Hits, States
+from ballroom.frames import Ball, Hit, Reply, Roster, State, World
+from ballroom.launch import launch
+from ballroom.server import Direction, Server, connect
+
+__all__ = [
+    "Ball",
+    "BallroomError",
+    "Direction",
+    "Env",
+    "FrameError",
+    "Hit",
+    "Hits",
+    "NoAnswerError",
+    "NoServerError",
+    "OutOfStepError",
+    "RefusedError",
+    "Reply",
+    "Roster",
+    "Server",
+    "State",
+    "States",
+    "VectorEnv",
+    "World",
+    "connect",
+    "launch",
+]

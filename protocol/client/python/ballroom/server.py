@@ -1,0 +1,221 @@
+"""A session with the server of one arena."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Sequence
+from typing import Any, Literal, TypeAlias
+
+import zenoh
+
+from ballroom import frames
+from ballroom.errors import (
+    BallroomError,
+    FrameError,
+    NoAnswerError,
+    NoServerError,
+    OutOfStepError,
+    RefusedError,
+)
+from ballroom.feeds import Hits, States
+from ballroom.frames import Reply, State, World
+
+DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
+"""Where `ballroom serve` listens first."""
+
+Direction: TypeAlias = Literal["up", "down", "left", "right", "stop"] | Sequence[float]
+"""A name (up is +y), or x and y of length at most 1."""
+
+_LOOK_AGAIN_S = 0.05
+_AS_LONG_AS_IT_LIVES_S = 1e6
+
+
+class Server:
+    """A running arena. Every method waits for the server's answer and raises a `BallroomError` when there is none."""
+
+    endpoint: str
+    arena: str
+    timeout_s: float
+
+    def __init__(self, endpoint: str | None, arena: str, timeout_s: float) -> None:
+        self.endpoint = endpoint or DEFAULT_ENDPOINT
+        self.arena = arena
+        self.timeout_s = timeout_s
+        self._prefix = f"ballroom/v1/{arena}"
+        deadline = time.monotonic() + timeout_s
+        self._session = self._open(deadline)
+        try:
+            self._greet(deadline)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Ends the session; the server goes on."""
+        if not self._session.is_closed():
+            self._session.close()
+
+    def __enter__(self) -> Server:
+        """Itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Closes."""
+        self.close()
+
+    def state(self) -> State:
+        """The newest state, in full precision."""
+        return self.world().state
+
+    def states(self, timeout_s: float | None = None) -> States:
+        """The present state and then the newest, for ever, or until none came for `timeout_s`."""
+        return States(self._session, f"{self._prefix}/state", timeout_s, self.world)
+
+    def events(self, timeout_s: float | None = None) -> Hits:
+        """Hits from now on, for ever, or until none came for `timeout_s`."""
+        return Hits(self._session, f"{self._prefix}/event", timeout_s)
+
+    def world(self) -> World:
+        """Scene, rate and newest state in one answer."""
+        return frames.world(self._ask("snapshot"))
+
+    def scene(self) -> dict[str, Any]:
+        """The scene as served, shaped as in its file."""
+        return self._ask_json("scene")
+
+    def stats(self) -> dict[str, Any]:
+        """What the server says of itself: rates, hits, energy, commands, what was dropped."""
+        return self._ask_json("stats")
+
+    def info(self) -> dict[str, Any]:
+        """Frames, units, versions."""
+        return self._ask_json("info")
+
+    def pause(self) -> Reply:
+        """Stops the clock."""
+        return self._command("pause")
+
+    def resume(self) -> Reply:
+        """Lets the clock run."""
+        return self._command("resume")
+
+    def step(self, ticks: int = 1) -> State:
+        """Advances a paused arena and gives the state of exactly that tick."""
+        return self._state_at(self._command("step", ticks=ticks, timeout_s=_AS_LONG_AS_IT_LIVES_S))
+
+    def reset(self) -> Reply:
+        """Back to the scene's first state, as a new epoch; a clock that stands goes on standing."""
+        return self._command("reset")
+
+    def speed(self, factor: float) -> Reply:
+        """Simulated seconds per wall second."""
+        return self._command("speed", factor=factor)
+
+    def steer(self, ball: str | None, direction: Direction, mode: Literal["impulse", "force"] = "impulse") -> Reply:
+        """Pushes a player's ball once, or until told otherwise, half a simulated second at most.
+
+        `None` is the scene's first player.
+        """
+        where = direction if isinstance(direction, str) else [float(x) for x in direction]
+        return self._command("steer", ball=ball, direction=where, mode=mode)
+
+    def _open(self, deadline: float) -> zenoh.Session:
+        config = zenoh.Config()
+        config.insert_json5("mode", '"client"')
+        config.insert_json5("scouting/multicast/enabled", "false")
+        config.insert_json5("connect/endpoints", json.dumps([self.endpoint]))
+        while True:
+            try:
+                return zenoh.open(config)
+            except zenoh.ZError as why:
+                if time.monotonic() + _LOOK_AGAIN_S > deadline:
+                    raise NoServerError(
+                        f"nobody listens at {self.endpoint} (waited {self.timeout_s:g} s): "
+                        "start `ballroom serve`, or name its endpoint"
+                    ) from why
+            time.sleep(_LOOK_AGAIN_S)
+
+    def _greet(self, deadline: float) -> None:
+        """Waits until the arena answers, for what it has declared may arrive after the session opened."""
+        while True:
+            try:
+                info = self.info()
+                break
+            except NoServerError:
+                if time.monotonic() + _LOOK_AGAIN_S > deadline:
+                    raise NoServerError(self._who_is_there()) from None
+            time.sleep(_LOOK_AGAIN_S)
+        if info["frame_version"] != frames.FRAME_VERSION:
+            raise FrameError(
+                f"the server writes frames of version {info['frame_version']}, "
+                f"this package reads {frames.FRAME_VERSION}: use one release"
+            )
+
+    def _who_is_there(self) -> str:
+        replies = self._session.get("ballroom/v1/*/srv/info", timeout=self.timeout_s)
+        found = sorted(json.loads(reply.ok.payload.to_bytes())["arena"] for reply in replies if reply.ok)
+        there = f"but {', '.join(found)}" if found else "nor any other: is it `ballroom serve`?"
+        return f"no arena {self.arena} at {self.endpoint}, {there}"
+
+    def _ask(self, question: str, payload: bytes | None = None, timeout_s: float | None = None) -> bytes:
+        """The answer to a question, slowing down when the server says that there are too many."""
+        deadline = time.monotonic() + self.timeout_s
+        while True:
+            try:
+                return self._ask_once(question, payload, timeout_s or self.timeout_s)
+            except RefusedError as refused:
+                self._slow_down(refused, deadline)
+
+    def _ask_once(self, question: str, payload: bytes | None, timeout_s: float) -> bytes:
+        try:
+            replies = self._session.get(f"{self._prefix}/srv/{question}", payload=payload, timeout=timeout_s)
+        except zenoh.ZError as why:
+            raise BallroomError(f"srv/{question} cannot be asked: {why}") from why
+        for reply in replies:
+            if reply.ok is not None:
+                return reply.ok.payload.to_bytes()
+            why_not = reply.err.payload.to_string() if reply.err is not None else "no reason given"
+            if why_not == "Timeout":
+                raise NoAnswerError(f"{self.endpoint} did not answer srv/{question} within {timeout_s:g} s")
+            raise RefusedError(f"srv/{question}", why_not)
+        raise NoServerError(
+            f"the server at {self.endpoint} is gone: srv/{question} stays unanswered, "
+            "and whether it was still obeyed is unknown"
+        )
+
+    def _ask_json(self, question: str) -> dict[str, Any]:
+        answer = json.loads(self._ask(question))
+        if not isinstance(answer, dict):
+            raise FrameError(f"srv/{question} answered no JSON object")
+        return answer
+
+    def _command(self, verb: str, timeout_s: float | None = None, **fields: object) -> Reply:
+        line = json.dumps({"cmd": verb, **fields}).encode()
+        deadline = time.monotonic() + self.timeout_s
+        while True:
+            reply = json.loads(self._ask("command", line, timeout_s))
+            if reply["ok"]:
+                return Reply(tick=reply["tick"], epoch=reply["epoch"])
+            self._slow_down(RefusedError(verb, reply["error"], reply.get("code")), deadline)
+
+    @staticmethod
+    def _slow_down(refused: RefusedError, deadline: float) -> None:
+        """Sleeps when it was only too fast, for then nothing was done; raises any other refusal."""
+        if not refused.reason.startswith("too many ") or time.monotonic() > deadline:
+            raise refused
+        time.sleep(_LOOK_AGAIN_S)
+
+    def _state_at(self, reply: Reply) -> State:
+        state = self.state()
+        if (state.epoch, state.tick) != (reply.epoch, reply.tick):
+            raise OutOfStepError(
+                f"done at tick {reply.tick} of epoch {reply.epoch}, but now it is tick {state.tick} of "
+                f"epoch {state.epoch}: somebody else moves the clock of arena {self.arena}"
+            )
+        return state
+
+
+def connect(endpoint: str | None = None, arena: str = "main", timeout_s: float = 5.0) -> Server:
+    """A session with a running server, waiting at most `timeout_s` for it, and as long for each answer."""
+    return Server(endpoint, arena, timeout_s)
