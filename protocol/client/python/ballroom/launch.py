@@ -53,11 +53,13 @@ def launch(  # noqa: PLR0913
 def find_binary(binary: str | os.PathLike[str] | None = None) -> str:
     """The program `ballroom`, or what to do without one."""
     named = binary or os.environ.get("BALLROOM_BIN")
-    built = Path("target/release/ballroom")
-    found = os.fspath(named) if named else shutil.which("ballroom") or (str(built) if built.exists() else None)
-    if found is None:
-        raise BallroomError("no program `ballroom`: `cargo build --release -p server`, then set BALLROOM_BIN to it")
-    return found
+    candidates = [os.fspath(named)] if named else ["ballroom", str(Path("target/release/ballroom").absolute())]
+    for candidate in candidates:
+        if found := shutil.which(candidate):
+            return found
+    raise BallroomError(
+        f"no program at {' or '.join(candidates)}: `cargo build --release -p server`, then set BALLROOM_BIN to it"
+    )
 
 
 def _endpoint(process: subprocess.Popen[bytes], said: IO[str], log: IO[str], timeout_s: float) -> str:

@@ -180,8 +180,8 @@ class Server:
                 raise NoAnswerError(f"{self.endpoint} did not answer srv/{question} within {timeout_s:g} s")
             raise RefusedError(f"srv/{question}", why_not)
         raise NoServerError(
-            f"the server at {self.endpoint} is gone: srv/{question} stays unanswered, "
-            "and whether it was still obeyed is unknown"
+            f"srv/{question} stays unanswered: the server at {self.endpoint} went away, or has more to answer "
+            "than it can hold; whether it was obeyed is unknown"
         )
 
     def _ask_json(self, question: str) -> dict[str, Any]:

@@ -15,6 +15,9 @@ import pytest
 import ballroom
 from ballroom.launch import find_binary
 
+BUILT = Path(__file__).parents[4] / "target/release/ballroom"
+os.environ.setdefault("BALLROOM_BIN", str(BUILT))
+
 Serve = Callable[..., ballroom.Server]
 
 

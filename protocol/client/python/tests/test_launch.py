@@ -41,5 +41,6 @@ def test_a_missing_program_says_how_to_get_one(tmp_path: Path, monkeypatch: pyte
     monkeypatch.delenv("BALLROOM_BIN", raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(ballroom.BallroomError, match="cargo build --release -p server"), ballroom.launch():
-        pass
+    for binary in [None, tmp_path / "nothing"]:
+        with pytest.raises(ballroom.BallroomError, match="cargo build"), ballroom.launch(binary=binary):
+            pass

@@ -100,11 +100,15 @@ def test_who_moves_the_clock_of_another_is_noticed(plane: ballroom.Server, monke
 
 
 def test_a_script_that_asks_too_fast_is_slowed_and_not_refused(plane: ballroom.Server) -> None:
-    key = "ballroom/v1/main/srv/command"
-    flood = [plane._session.get(key, payload=b'{"cmd":"pause"}', timeout=20.0) for _ in range(6000)]
-    assert plane.step().tick == 1
-    answers = [reply.ok.payload.to_string() for replies in flood for reply in replies if reply.ok]
-    assert any("too many commands" in answer for answer in answers)
+    def is_refused() -> bool:
+        asked = [plane._session.get("ballroom/v1/main/srv/info", timeout=20.0) for _ in range(100)]
+        refused = [reply.err.payload.to_string() for replies in asked for reply in replies if reply.err]
+        return any("too many questions" in reason for reason in refused)
+
+    if not any(is_refused() for _ in range(400)):
+        pytest.skip("this machine asks fewer than 2000 questions a second")
+    for _ in range(100):
+        assert plane.info()["arena"] == "main"
 
 
 def test_nobody_there_is_said_with_the_endpoint(plane: ballroom.Server) -> None:
@@ -130,7 +134,7 @@ def test_a_silent_server_is_an_error_in_time_and_not_for_ever(serve: Serve) -> N
 def test_a_server_that_dies_in_the_middle_of_a_step_is_an_error(serve: Serve) -> None:
     server = serve("thousand", paused=True)
     threading.Timer(0.3, os.kill, [int(children()[0]), signal.SIGKILL]).start()
-    with pytest.raises(ballroom.NoServerError, match="is gone"):
+    with pytest.raises(ballroom.NoServerError, match="went away"):
         server.step(1_000_000)
 
 
