@@ -71,9 +71,12 @@ class Feed(Generic[T]):
         return self._closed or self._session.is_closed()
 
     def _payload(self) -> bytes | None:
-        if self._is_over():
+        try:
+            sample = self._subscriber.try_recv()
+        except zenoh.ZError:
+            # Closed, here or on another thread.
+            self._closed = True
             return None
-        sample = self._subscriber.try_recv()
         return None if sample is None else sample.payload.to_bytes()
 
 
