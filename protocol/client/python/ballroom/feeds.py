@@ -101,15 +101,12 @@ class States(Feed[State]):
         if frame is None:
             return None
         fields = frames.load(frame)
-        if fields["epoch"] != before.epoch:
-            # Another epoch may have other balls; its own answer is as new as this frame.
-            return self._hand_out(self._ask().state)
-        state = frames.state(fields, before.roster)
-        if (state.tick, state.paused) == (before.tick, before.paused) and state.wall_ns <= before.wall_ns:
-            return None
-        if state.tick < before.tick:
-            return None
-        return self._hand_out(state)
+        if fields["epoch"] == before.epoch:
+            state = frames.state(fields, before.roster)
+        else:
+            # Another epoch may have other balls; the answer is at least as new as this frame.
+            state = self._ask().state
+        return self._hand_out(state) if _is_news(state, before) else None
 
     def _hand_out(self, state: State) -> State:
         before = self._newest
@@ -117,6 +114,13 @@ class States(Feed[State]):
             self.missed_ticks += max(0, state.tick - before.tick - 1)
         self._newest = state
         return state
+
+
+def _is_news(state: State, before: State) -> bool:
+    """Whether it is no frame from before the answer; while the clock stands, the same tick may change."""
+    if state.epoch != before.epoch or state.tick > before.tick:
+        return True
+    return state.tick == before.tick and state.wall_ns != before.wall_ns
 
 
 class Hits(Feed[Hit]):

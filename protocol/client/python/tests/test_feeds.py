@@ -51,6 +51,15 @@ def test_a_reset_shows_as_a_new_epoch(plane: ballroom.Server) -> None:
         assert (fresh.epoch, fresh.tick) == (epoch + 1, 0)
 
 
+def test_a_push_shows_while_the_clock_stands(plane: ballroom.Server) -> None:
+    with plane.states(PATIENCE_S) as states:
+        before = next(states)
+        plane.steer("cue", "up")
+        after = next(states)
+        assert (after.epoch, after.tick) == (before.epoch, before.tick)
+        assert after["cue"].velocity_m_per_s[1] > before["cue"].velocity_m_per_s[1]
+
+
 def test_every_hit_comes_once_in_order_and_where_balls_touch(plane: ballroom.Server) -> None:
     with plane.events(PATIENCE_S) as hits:
         state = plane.step(600)
