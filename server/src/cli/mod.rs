@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, and what they share.
 
 mod ball_count;
+mod balls;
 mod check;
 mod clock;
 mod connection;
@@ -12,6 +13,7 @@ mod signals;
 mod simulate;
 mod steer;
 mod watch;
+mod world;
 
 use clap::{Parser, Subcommand};
 use std::io::IsTerminal;
@@ -46,8 +48,13 @@ enum Subcommands {
     Pause(clock::Pause),
     Resume(clock::Resume),
     Step(clock::Step),
+    RunUntil(clock::RunUntil),
     Reset(clock::Reset),
     Speed(clock::Speed),
+    Balls(balls::Balls),
+    Load(world::Load),
+    Scenes(world::Scenes),
+    Features(world::Features),
     Watch(watch::Watch),
     Simulate(simulate::Simulate),
     Hardcases(hardcases::Hardcases),
@@ -70,6 +77,11 @@ pub fn main() -> ExitCode {
         Subcommands::Pause(pause) => pause.run(),
         Subcommands::Resume(resume) => resume.run(),
         Subcommands::Step(step) => step.run(),
+        Subcommands::RunUntil(run) => run.run(),
+        Subcommands::Balls(balls) => balls.run(),
+        Subcommands::Load(load) => load.run(),
+        Subcommands::Scenes(scenes) => scenes.run(),
+        Subcommands::Features(features) => features.run(),
         Subcommands::Reset(reset) => reset.run(),
         Subcommands::Speed(speed) => speed.run(),
         Subcommands::Watch(watch) => watch.run(),

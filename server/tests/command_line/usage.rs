@@ -13,8 +13,13 @@ fn help_names_every_subcommand_and_exit_code() {
         "pause",
         "resume",
         "step",
+        "run-until",
         "reset",
         "speed",
+        "balls",
+        "load",
+        "scenes",
+        "features",
         "watch",
         "simulate",
         "hardcases",
@@ -39,6 +44,10 @@ fn a_wrong_command_line_ends_with_2_and_says_what_would_do() {
         (&["simulate", "plane", "--until", "nan"], "use 0.000001 to"),
         (&["simulate", "plane", "--until", "1", "--json", "--csv"], "cannot be used with"),
         (&["watch", "--arena", "a/b"], "a-z, 0-9"),
+        (&["speed", "fast"], "use 0.01 to 100, or max"),
+        (&["reset", "--scope", "some"], "use all, time, state or spawned"),
+        (&["run-until", "soon"], "invalid float"),
+        (&["balls", "set", "red", "--center", "1,2,3"], "use 2 numbers"),
     ] {
         let output = ballroom(arguments);
         assert_eq!(output.code, 2, "{arguments:?}: {}", output.stderr);
