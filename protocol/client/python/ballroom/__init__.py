@@ -19,10 +19,11 @@ from ballroom.errors import (
 from ballroom.feeds import Hits, States
 from ballroom.frames import Ball, Hit, Reply, Roster, State, World
 from ballroom.launch import launch
-from ballroom.server import Direction, Server, connect
+from ballroom.server import BallSetting, Direction, Scope, Server, connect
 
 __all__ = [
     "Ball",
+    "BallSetting",
     "BallroomError",
     "Direction",
     "Env",
@@ -35,6 +36,7 @@ __all__ = [
     "RefusedError",
     "Reply",
     "Roster",
+    "Scope",
     "Server",
     "State",
     "States",

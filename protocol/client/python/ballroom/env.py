@@ -66,10 +66,10 @@ class Env:
         """The state after the last step."""
         return self._state
 
-    def reset(self) -> tuple[Observation, Info]:
-        """Back to the scene's first state."""
+    def reset(self, seed: int | None = None) -> tuple[Observation, Info]:
+        """Back to the scene's first state; a seed places its clouds of balls anew."""
         self.server.pause()
-        self.server.reset()
+        self.server.reset(seed)
         self._steps = 0
         self._state = self.server.state()
         return self._observe(self._state), self._info()
@@ -123,9 +123,12 @@ class VectorEnv:
         self.envs = list(envs)
         self._threads = ThreadPoolExecutor(max(1, len(self.envs)), "ballroom-env")
 
-    def reset(self) -> tuple[Observation, list[Info]]:
-        """Resets all."""
-        observations, infos = zip(*self._threads.map(Env.reset, self.envs), strict=True)
+    def reset(self, seeds: Sequence[int | None] | None = None) -> tuple[Observation, list[Info]]:
+        """Resets all, each with its own seed if there are any."""
+        seeds = [None] * len(self.envs) if seeds is None else seeds
+        if len(seeds) != len(self.envs):
+            raise ValueError(f"{len(seeds)} seeds for {len(self.envs)} arenas")
+        observations, infos = zip(*self._threads.map(Env.reset, self.envs, seeds), strict=True)
         return np.stack(observations), list(infos)
 
     def step(

@@ -14,7 +14,12 @@ class NoAnswerError(BallroomError, TimeoutError):
 
 
 class RefusedError(BallroomError):
-    """The server refused, and says why in `reason`; `code` is its result code where it gives one."""
+    """The server refused, and says why in `reason`.
+
+    Commands carry a `code` too, up to 5 those of ROS `simulation_interfaces`: 2 unsupported, 3 not found, 4 not in this
+    state of the clock, 5 failed; of its own 100 malformed, 102 too long, 103 interrupted, 104 the server ends, 105 a
+    scene that cannot be run.
+    """
 
     def __init__(self, what: str, reason: str, code: int | None = None) -> None:
         super().__init__(f"{what} was refused: {reason}")

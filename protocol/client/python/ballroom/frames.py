@@ -213,6 +213,13 @@ def world(frame: bytes) -> World:
         raise FrameError(f"a world that cannot be read: {why!r}") from why
 
 
+def ball(fields: Mapping[str, Any]) -> Ball:
+    """A ball from its JSON."""
+    arrays = {name: _constant(np.array(fields[name], np.float64)) for name in _COLUMNS}
+    plain = {name: fields[name] for name in ("name", "radius_m", "mass_kg", "player")}
+    return Ball(**{**plain, **arrays})
+
+
 def hit(fields: Mapping[str, Any]) -> Hit:
     """A hit from its JSON."""
     x, y, z = fields["point_m"]

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Sequence
-from typing import Any, Literal, TypeAlias
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, TypeAlias, TypedDict
 
+import numpy as np
 import zenoh
+from numpy.typing import NDArray
 
 from ballroom import frames
 from ballroom.errors import (
@@ -19,7 +21,7 @@ from ballroom.errors import (
     RefusedError,
 )
 from ballroom.feeds import Hits, States
-from ballroom.frames import Reply, State, World
+from ballroom.frames import Ball, Reply, State, World
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 """Where `ballroom serve` listens first."""
@@ -27,8 +29,24 @@ DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 Direction: TypeAlias = Literal["up", "down", "left", "right", "stop"] | Sequence[float]
 """A name (up is +y), or x and y of length at most 1."""
 
+Scope: TypeAlias = Literal["all", "time", "state", "spawned"]
+"""What a reset takes back."""
+
+
+class BallSetting(TypedDict, total=False):
+    """A ball as it shall be; what is not given stays."""
+
+    center_m: Sequence[float] | NDArray[np.float64]
+    """x and y."""
+    velocity_m_per_s: Sequence[float] | NDArray[np.float64]
+    """Projected to the tangent plane."""
+    spin_rad_per_s: float
+    """About the floor's normal."""
+
+
 _LOOK_AGAIN_S = 0.05
 _AS_LONG_AS_IT_LIVES_S = 1e6
+_TOO_MANY = 101
 
 
 class Server:
@@ -92,6 +110,26 @@ class Server:
         """Frames, units, versions."""
         return self._ask_json("info")
 
+    def balls(
+        self, *names: str, player: bool | None = None, within_m: tuple[float, float, float, float] | None = None
+    ) -> dict[str, Ball]:
+        """Some balls as they are now: of these names, a player's or not, with the centre within x0, y0, x1, y1."""
+        words = [f"name={name}" for name in names]
+        words += [] if player is None else [f"player={str(player).lower()}"]
+        words += [] if within_m is None else ["within=" + ",".join(repr(float(x)) for x in within_m)]
+        answer = self._ask_json("balls", "?" + ";".join(words))
+        if answer["left_out"]:
+            raise BallroomError(f"{answer['left_out']} balls more than one answer holds: ask for fewer, or for state()")
+        return {row["name"]: frames.ball(row) for row in answer["balls"]}
+
+    def scenes(self) -> dict[str, str]:
+        """The scenes that come with the server, by name, and what to look for."""
+        return {scene["name"]: scene["description"] for scene in self._ask_json("scenes")["scenes"]}
+
+    def features(self) -> dict[str, Any]:
+        """What the server understands, with limits."""
+        return self._ask_json("features")
+
     def pause(self) -> Reply:
         """Stops the clock."""
         return self._command("pause")
@@ -104,13 +142,30 @@ class Server:
         """Advances a paused arena and gives the state of exactly that tick."""
         return self._state_at(self._command("step", ticks=ticks, timeout_s=_AS_LONG_AS_IT_LIVES_S))
 
-    def reset(self) -> Reply:
-        """Back to the scene's first state, as a new epoch; a clock that stands goes on standing."""
-        return self._command("reset")
+    def run_until(self, time_s: float) -> State:
+        """Advances a paused arena to the first tick at or after a simulated time, and gives its state."""
+        return self._state_at(self._command("run_until", time_s=time_s, timeout_s=_AS_LONG_AS_IT_LIVES_S))
 
-    def speed(self, factor: float) -> Reply:
-        """Simulated seconds per wall second."""
+    def reset(self, seed: int | None = None, scope: Scope = "all") -> Reply:
+        """Back to the scene's first state, as a new epoch; a clock that stands goes on standing.
+
+        A seed places the scene's clouds of balls anew; without one they are where the scene's own seeds put them.
+        `time` takes back the clock only, `state` only the balls, `spawned` only what was not in the scene.
+        """
+        return self._command("reset", scope=scope, seed=seed, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def speed(self, factor: float | Literal["max"]) -> Reply:
+        """Simulated seconds per wall second, or `max`: no tick waits."""
         return self._command("speed", factor=factor)
+
+    def set_balls(self, balls: Mapping[str, BallSetting]) -> Reply:
+        """Puts balls elsewhere by name, or gives them another velocity or spin: all of them, or none."""
+        rows = [{"name": name} | {key: _plain(value) for key, value in ball.items()} for name, ball in balls.items()]
+        return self._command("set_balls", balls=rows, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def load_scene(self, name: str | None = None, *, toml: str | None = None) -> Reply:
+        """Goes on with another scene as a new epoch: one of `scenes()` by name, or the text of a scene file."""
+        return self._command("load_scene", name=name, toml=toml, timeout_s=_AS_LONG_AS_IT_LIVES_S)
 
     def steer(self, ball: str | None, direction: Direction, mode: Literal["impulse", "force"] = "impulse") -> Reply:
         """Pushes a player's ball once, or until told otherwise, half a simulated second at most.
@@ -184,14 +239,15 @@ class Server:
             "than it can hold; whether it was obeyed is unknown"
         )
 
-    def _ask_json(self, question: str) -> dict[str, Any]:
-        answer = json.loads(self._ask(question))
+    def _ask_json(self, question: str, words: str = "") -> dict[str, Any]:
+        answer = json.loads(self._ask(question + words))
         if not isinstance(answer, dict):
             raise FrameError(f"srv/{question} answered no JSON object")
         return answer
 
     def _command(self, verb: str, timeout_s: float | None = None, **fields: object) -> Reply:
-        line = json.dumps({"cmd": verb, **fields}).encode()
+        given = {name: value for name, value in fields.items() if value is not None}
+        line = json.dumps({"cmd": verb, **given}).encode()
         deadline = time.monotonic() + self.timeout_s
         while True:
             reply = json.loads(self._ask("command", line, timeout_s))
@@ -202,7 +258,8 @@ class Server:
     @staticmethod
     def _slow_down(refused: RefusedError, deadline: float) -> None:
         """Sleeps when it was only too fast, for then nothing was done; raises any other refusal."""
-        if not refused.reason.startswith("too many ") or time.monotonic() > deadline:
+        too_fast = refused.code == _TOO_MANY or refused.reason.startswith("too many questions")
+        if not too_fast or time.monotonic() > deadline:
             raise refused
         time.sleep(_LOOK_AGAIN_S)
 
@@ -219,3 +276,8 @@ class Server:
 def connect(endpoint: str | None = None, arena: str = "main", timeout_s: float = 5.0) -> Server:
     """A session with a running server, waiting at most `timeout_s` for it, and as long for each answer."""
     return Server(endpoint, arena, timeout_s)
+
+
+def _plain(value: object) -> object:
+    """Numbers as JSON takes them."""
+    return np.asarray(value, np.float64).tolist()

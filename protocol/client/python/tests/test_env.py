@@ -112,6 +112,23 @@ def test_what_makes_no_sense_is_refused(serve: Serve) -> None:
             env.step(action)
 
 
+def test_a_seed_gives_another_beginning_and_the_same_ride_each_time(serve: Serve) -> None:
+    envs = [
+        ballroom.Env(serve("thousand", balls=30, arena=arena), observe=lambda state: state.center_m.ravel())
+        for arena in ("a", "b")
+    ]
+    with ballroom.VectorEnv(envs) as both:
+        observations, _ = both.reset([3, 4])
+        assert (observations[0] != observations[1]).any()
+        observations, infos = both.reset([3, 3])
+        assert (observations[0] == observations[1]).all()
+        for action in ACTIONS[:10]:
+            *_, infos = both.step([action, action])
+            assert infos[0]["state_hash"] == infos[1]["state_hash"]
+        with pytest.raises(ValueError, match="1 seeds for 2 arenas"):
+            both.reset([3])
+
+
 def test_a_scene_without_a_players_ball_is_refused(serve: Serve, tmp_path: Path) -> None:
     scene = tmp_path / "lonely.toml"
     scene.write_text(
