@@ -229,7 +229,8 @@ class Server:
             raise BallroomError(f"srv/{question} cannot be asked: {why}") from why
         for reply in replies:
             if reply.ok is not None:
-                return reply.ok.payload.to_bytes()
+                answer: bytes = reply.ok.payload.to_bytes()
+                return answer
             why_not = reply.err.payload.to_string() if reply.err is not None else "no reason given"
             if why_not == "Timeout":
                 raise NoAnswerError(f"{self.endpoint} did not answer srv/{question} within {timeout_s:g} s")
