@@ -33,8 +33,8 @@ pub struct Answered {
 
 /// A request that was not taken, and why.
 pub struct Refused {
-    /// The request, whole.
-    pub request: Request,
+    /// Whom to tell.
+    pub answer: Option<Answer>,
     /// Why, for whoever asked.
     pub why: Refusal,
 }
@@ -58,15 +58,15 @@ struct Waiting {
 }
 
 impl Inbox {
-    /// Takes a request, or gives it back when the queue is full or closed.
+    /// Takes a request, or says why not when the queue is full or closed.
     pub fn offer(&self, request: Request) -> Result<(), Refused> {
         let mut waiting = self.lock();
         if waiting.closed {
-            return Err(Refused { request, why: Refusal::new(code::ENDING, ENDING) });
+            return Err(Refused { answer: request.answer, why: Refusal::new(code::ENDING, ENDING) });
         }
         if waiting.requests.len() >= INBOX_CAPACITY {
             let why = Refusal::new(code::TOO_MANY, "too many commands wait for one tick: send fewer");
-            return Err(Refused { request, why });
+            return Err(Refused { answer: request.answer, why });
         }
         waiting.requests.push_back(request);
         drop(waiting);

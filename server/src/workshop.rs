@@ -56,7 +56,13 @@ impl Bench {
                 "a seed makes other balls: leave the scope out, or the seed",
             )),
             Command::Reset { scope: Scope::All, seed } if seed.is_some() || self.is_seeded => {
-                let scene = self.loaded.source().clone().with_seed(*seed).load().map_err(bad_scene)?;
+                let scene = self
+                    .loaded
+                    .source()
+                    .clone()
+                    .with_seed(*seed)
+                    .load()
+                    .map_err(|error| bad_scene(&error))?;
                 self.world(self.loaded.clone(), Arc::new(scene), seed.is_some())
             }
             Command::LoadScene { name, toml } => {
@@ -66,7 +72,7 @@ impl Bench {
                     }
                     (None, toml) => SceneText::new("toml", toml.clone().unwrap_or_default()),
                 };
-                let loaded = Arc::new(text.load().map_err(bad_scene)?);
+                let loaded = Arc::new(text.load().map_err(|error| bad_scene(&error))?);
                 self.world(loaded.clone(), loaded, false)
             }
             _ => Ok((Ready::Nothing, None)),
@@ -80,13 +86,13 @@ impl Bench {
         is_seeded: bool,
     ) -> Result<(Ready, Option<Self>), Refusal> {
         let tick_rate_hz = self.tick_rate_hz;
-        let world = Simulation::new(scene, tick_rate_hz, 0).map_err(bad_scene)?;
+        let world = Simulation::new(scene, tick_rate_hz, 0).map_err(|error| bad_scene(&error))?;
         let places = world.places().clone();
         Ok((Ready::World(Box::new(world)), Some(Self { loaded, places, tick_rate_hz, is_seeded })))
     }
 }
 
-fn bad_scene(error: SceneError) -> Refusal {
+fn bad_scene(error: &SceneError) -> Refusal {
     Refusal::new(code::BAD_SCENE, error.to_string())
 }
 
@@ -135,14 +141,15 @@ fn work(mut bench: Bench, inbox: &Inbox, jobs: Receiver<(Job, Option<Answer>)>) 
                     bench = next.unwrap_or(bench);
                     continue;
                 }
-                Err(Refused { request, why }) => (request.answer, why),
+                Err(Refused { answer, why }) => (answer, why),
             },
             Err(why) => (answer, why),
         };
         inbox.count_refused();
-        match answer {
-            Some(answer) => answer(&why.into()),
-            None => tracing::debug!("refused: {why}"),
+        if let Some(answer) = answer {
+            answer(&why.into());
+        } else {
+            tracing::debug!("refused: {why}");
         }
     }
 }

@@ -4,6 +4,7 @@ mod ball_count;
 mod balls;
 mod check;
 mod clock;
+mod completions;
 mod connection;
 mod exit;
 mod hardcases;
@@ -51,13 +52,14 @@ enum Subcommands {
     RunUntil(clock::RunUntil),
     Reset(clock::Reset),
     Speed(clock::Speed),
-    Balls(balls::Balls),
+    Balls(Box<balls::Balls>),
     Load(world::Load),
     Scenes(world::Scenes),
     Features(world::Features),
     Watch(watch::Watch),
     Simulate(simulate::Simulate),
     Hardcases(hardcases::Hardcases),
+    Completions(completions::Completions),
 }
 
 /// Runs the subcommand and says in one line what went wrong.
@@ -87,6 +89,7 @@ pub fn main() -> ExitCode {
         Subcommands::Watch(watch) => watch.run(),
         Subcommands::Simulate(simulate) => simulate.run(),
         Subcommands::Hardcases(hardcases) => hardcases.run(),
+        Subcommands::Completions(completions) => completions.run(),
     };
     done.map_or_else(|error| exit::code_of(&error), |()| ExitCode::SUCCESS)
 }

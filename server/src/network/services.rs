@@ -165,9 +165,9 @@ impl Gate {
     }
 
     fn offer(&self, request: Request) -> Result<(), Unpassed> {
-        self.inbox.offer(request).map_err(|Refused { request, why }| {
+        self.inbox.offer(request).map_err(|Refused { answer, why }| {
             self.inbox.count_refused();
-            (request.answer, why)
+            (answer, why)
         })
     }
 

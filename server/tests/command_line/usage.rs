@@ -23,6 +23,7 @@ fn help_names_every_subcommand_and_exit_code() {
         "watch",
         "simulate",
         "hardcases",
+        "completions",
     ];
     for command in commands {
         assert!(help.stdout.contains(&format!("\n  {command} ")), "{command} is missing:\n{}", help.stdout);
@@ -62,4 +63,13 @@ fn a_tool_without_a_server_ends_with_3_and_says_where_it_looked() {
     assert_eq!(output.code, 3, "{}", output.stderr);
     assert!(output.stderr.contains("tcp/127.0.0.1:1 "), "{}", output.stderr);
     assert!(output.stderr.contains("start `ballroom serve`"), "{}", output.stderr);
+}
+
+#[test]
+fn completions_know_the_subcommands() {
+    for shell in ["bash", "zsh", "fish"] {
+        let output = ballroom(&["completions", shell]);
+        assert_eq!(output.code, 0, "{shell}: {}", output.stderr);
+        assert!(["run-until", "balls", "load"].iter().all(|verb| output.stdout.contains(verb)), "{shell}");
+    }
 }

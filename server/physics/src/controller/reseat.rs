@@ -142,7 +142,7 @@ impl Controller {
         let stand = other.now.max(other.time);
         for ball in 0..self.balls.len().min(other.balls.len()) {
             // Reading an orientation follows the turning along, so a copy.
-            let mut arc = other.arcs[ball].clone();
+            let mut arc = other.arcs[ball];
             let dt = stand.since(arc.start).max(0.0);
             let state = arc.land(&other.balls[ball].body, &other.surface, other.accuracy, dt).0;
             let orientation = arc.orientation_at(dt);
@@ -224,13 +224,11 @@ impl Controller {
     fn overlap(&self, &Seated { ball, center, .. }: &Seated, seated: &[Seated]) -> Option<SeatFault> {
         let mut deepest: Option<(usize, f64)> = None;
         self.broad_phase.neighbours(ball, |other| {
-            let theirs = match seated.binary_search_by_key(&other, |seated| seated.ball) {
-                Ok(place) => seated[place].center,
-                Err(_) => {
-                    let arc = &self.arcs[other];
-                    arc.center_at(self.now.since(arc.start).max(0.0))
-                }
-            };
+            let arc = &self.arcs[other];
+            let theirs = seated.binary_search_by_key(&other, |seated| seated.ball).map_or_else(
+                |_| arc.center_at(self.now.since(arc.start).max(0.0)),
+                |place| seated[place].center,
+            );
             let reach = self.balls[ball].body.radius + self.balls[other].body.radius;
             let depth = reach - (theirs - center).norm();
             let rounding = OVERLAP_ULPS * f64::EPSILON * (center.amax() + theirs.amax() + reach);
