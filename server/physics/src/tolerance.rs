@@ -144,8 +144,9 @@ pub const BRACKET_FLAT: f64 = 1e-4;
 pub const BRACKET_BOXES_MAX: usize = 60_000;
 /// Relative width at which the bracket of the reach is tight enough; a pair of places costs more than one place.
 pub const REACH_WIDTH: f64 = 1e-3;
-/// Pairs of boxes looked at for the reach.
-pub const REACH_PAIRS_MAX: usize = 250_000;
+/// Pairs of boxes looked at for the reach, a second or so: a ball of 0.95 of the radius of curvature in a bent chart needs
+/// some 300 000 of them, usual floors need hundreds.
+pub const REACH_PAIRS_MAX: usize = 500_000;
 
 /// Hits kept for the caller of an advance.
 pub const HITS_KEPT: usize = 65_536;

@@ -4,7 +4,7 @@ use crate::scenes::{
     self, all_bits, assert_mirrors, bits, center, contact, graph, in_list_order, load, moving, original,
     plane, run, still,
 };
-use ballroom_physics::{BallSpec, Controller, Drive, HIT_BUDGET, MotionLaw, Scene, Time};
+use ballroom_physics::{Accuracy, BallSpec, Controller, Drive, HIT_BUDGET, MotionLaw, Scene, Time};
 use nalgebra::{Vector2, Vector3};
 
 #[test]
@@ -90,6 +90,26 @@ fn a_mirrored_scene_gives_the_mirrored_result() {
     scene.balls.push(moving("right", 0.2, contact(2.2, 0.3), 0.4, -0.8));
     scene.balls[0].spin = 6.0;
     assert_mirrors(&scene, 60, 900);
+}
+
+/// Six soft balls run into a corner and press each other there. Two that were held within a quantum let each other go
+/// in turn: a slow hit spared the ball it struck but moved the held neighbours it gathered, whose next slow hit did the
+/// same. A cycle took 1e-18 s, so that the run never ended. Found by a random scene.
+#[test]
+fn balls_held_in_a_corner_let_each_other_rest() {
+    let mut scene = graph(4.0, &[(2, 0, 0.01), (0, 2, 0.01)], MotionLaw::Rolling);
+    scene.gravity = Vector3::new(-2.0, 1.9, -9.81);
+    scene.restitution = 0.02;
+    scene.accuracy = Accuracy::Tolerance(1e-9);
+    for pair in 0..3 {
+        let x = 0.5 * f64::from(pair);
+        let heavy = still(&format!("{}", 2 * pair), 0.1, center(x - 3.895, 3.685));
+        let light = still(&format!("{}", 2 * pair + 1), 0.09, center(x - 3.6955, 3.9055));
+        scene.balls.extend([heavy, BallSpec { mass: 0.03, ..light }]);
+    }
+    let engine = run(&scene, 60, 240, |_, _| {});
+    assert!(engine.report().rest_hits > 1000, "they rest on each other: {:?}", engine.report());
+    assert!(engine.report().deepest_penetration < 1e-9 * 0.09, "{:?}", engine.report());
 }
 
 #[test]
