@@ -46,8 +46,10 @@ pub const MAX_BALLS: usize = 100_000;
 pub const MAX_STATE_BYTES: usize = 9 << 20;
 /// Longest world: 120 bytes a ball for its state, the rest for names and the scene.
 pub const MAX_WORLD_BYTES: usize = 64 << 20;
-/// Longest command.
+/// Longest command, but for those that are asked and carry a list or a text.
 pub const MAX_COMMAND_BYTES: usize = 512;
+/// Longest of those.
+pub const MAX_REQUEST_BYTES: usize = 512 << 10;
 /// Most hits in one message; the rest is counted as dropped.
 pub const MAX_EVENTS: usize = 4096;
 /// Longest JSON message other than a command or a world.
@@ -210,9 +212,11 @@ fn is_finite(value: &ciborium::Value) -> bool {
 
 /// A command from one line of JSON.
 pub fn decode_command(bytes: &[u8]) -> Result<Command, CodecError> {
-    check_length(bytes, MAX_COMMAND_BYTES)?;
+    check_length(bytes, MAX_REQUEST_BYTES)?;
     let text = std::str::from_utf8(bytes).map_err(|e| CodecError::Malformed(e.to_string()))?;
-    Ok(Command::from_json(text)?)
+    let command = Command::from_json(text)?;
+    check_length(bytes, command.max_bytes())?;
+    Ok(command)
 }
 
 /// Hits from JSON.

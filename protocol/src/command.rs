@@ -1,8 +1,11 @@
 //! What a client may ask of a running arena, and the answer.
 //!
-//! A command is one line of JSON, at most 512 bytes. For a hand at the keyboard there is a short form of steering:
+//! A command is one line of JSON, at most 512 bytes; what carries lists or texts may be longer when it is asked and not
+//! just put ([`Command::max_bytes`]). For a hand at the keyboard there is a short form of steering:
 //! `{"key":"up"}` is one press, `{"key":"up","down":true}` a key held, `{"key":"up","down":false}` the key let go.
 
+use crate::codec::{MAX_BALL_NAME_BYTES, MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
+pub use crate::reply::{Refusal, Reply, code};
 use serde::{Deserialize, Serialize};
 
 /// A request. In JSON: `{"cmd":"steer","direction":"up"}`, `{"cmd":"pause"}`, `{"cmd":"step","ticks":5}`.
@@ -30,13 +33,96 @@ pub enum Command {
         #[serde(default = "one_tick")]
         ticks: u64,
     },
-    /// Back to the scene's first state; a new epoch.
-    Reset {},
+    /// Advance a paused arena as fast as it goes to the first tick at or after a simulated time.
+    RunUntil {
+        /// Simulated seconds since the epoch began.
+        time_s: f64,
+    },
+    /// Back to the scene's first state, or to a part of it. Held forces end.
+    Reset {
+        /// What of it.
+        #[serde(default, skip_serializing_if = "Scope::is_all")]
+        scope: Scope,
+        /// Places the scene's clouds anew; the cloud at place i has this seed plus i. Without one, the scene's own.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        seed: Option<u64>,
+    },
     /// Simulated seconds per wall second.
     Speed {
-        /// 0.01 to 100.
-        factor: f64,
+        /// How many.
+        factor: SpeedFactor,
     },
+    /// Put balls elsewhere, with another velocity or spin: all of them, or none.
+    SetBalls {
+        /// Which, 1 to 1024 of them.
+        balls: Vec<BallSetting>,
+    },
+    /// Go on with another scene; a new epoch.
+    LoadScene {
+        /// One of the scenes that come with the program.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        name: Option<String>,
+        /// A scene as it stands in a file.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        toml: Option<String>,
+    },
+}
+
+/// What a reset takes back, in the words of ROS `simulation_interfaces`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scope {
+    /// Everything; a new epoch.
+    #[default]
+    All,
+    /// The clock and every count; the balls stay as they are. A new epoch.
+    Time,
+    /// Places, velocities, spins and orientations; the clock goes on. The energy this takes counts as steering work.
+    State,
+    /// What was not in the scene.
+    Spawned,
+}
+
+impl Scope {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands fields over by reference")]
+    const fn is_all(&self) -> bool {
+        matches!(self, Self::All)
+    }
+}
+
+/// Simulated seconds per wall second.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "factor is a number from 0.01 to 100, or \"max\"")]
+pub enum SpeedFactor {
+    /// 0.01 to 100.
+    Times(f64),
+    /// By name.
+    Named(SpeedName),
+}
+
+/// A speed that is no number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SpeedName {
+    /// As fast as possible: no tick waits for the wall clock.
+    Max,
+}
+
+/// A ball as it shall be; what is not given stays.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BallSetting {
+    /// Which.
+    pub name: String,
+    /// x and y of its centre.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub center_m: Option<[f64; 2]>,
+    /// Velocity of the centre; projected to the tangent plane.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity_m_per_s: Option<[f64; 3]>,
+    /// Spin about the floor's normal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spin_rad_per_s: Option<f64>,
 }
 
 fn one_tick() -> u64 {
@@ -45,6 +131,12 @@ fn one_tick() -> u64 {
 
 /// Most ticks of one [`Command::Step`].
 pub const MAX_STEP_TICKS: u64 = 1_000_000;
+/// Most ticks of one [`Command::RunUntil`]; a pause ends it before.
+pub const MAX_RUN_TICKS: u64 = 100_000_000;
+/// Most balls of one [`Command::SetBalls`].
+pub const MAX_SET_BALLS: usize = 1024;
+/// Largest coordinate, speed and spin of one, m, m/s and rad/s: as a scene file may have.
+const LARGEST: f64 = 1e6;
 /// Smallest and largest factor of [`Command::Speed`].
 pub const SPEED_FACTORS: [f64; 2] = [0.01, 100.0];
 
@@ -93,25 +185,66 @@ impl Command {
         Ok(command)
     }
 
+    /// Longest that it may be in JSON, bytes.
+    pub const fn max_bytes(&self) -> usize {
+        match self {
+            Self::SetBalls { .. } | Self::LoadScene { .. } => MAX_REQUEST_BYTES,
+            _ => MAX_COMMAND_BYTES,
+        }
+    }
+
+    /// Whether something has to be made ready before a tick can obey it. What is made ready acts in its own order; other
+    /// commands overtake it.
+    pub const fn needs_preparing(&self) -> bool {
+        matches!(self, Self::SetBalls { .. } | Self::LoadScene { .. } | Self::Reset { .. })
+    }
+
     /// Whether its numbers make sense.
     pub fn check(&self) -> Result<(), CommandFault> {
+        let fault = |why: String| Err(CommandFault(why));
         match self {
             Self::Steer { ball, direction, .. } => {
-                if ball
-                    .as_ref()
-                    .is_some_and(|name| name.is_empty() || name.len() > crate::codec::MAX_BALL_NAME_BYTES)
-                {
-                    return Err(CommandFault("ball is a name of 1 to 64 bytes".into()));
-                }
+                ball.as_deref().map_or(Ok(()), check_name)?;
                 direction.check()
             }
             Self::Step { ticks } if !(1..=MAX_STEP_TICKS).contains(ticks) => {
-                Err(CommandFault(format!("ticks is {ticks}: use 1 to {MAX_STEP_TICKS}")))
+                fault(format!("ticks is {ticks}: use 1 to {MAX_STEP_TICKS}"))
             }
-            Self::Speed { factor } if !(SPEED_FACTORS[0]..=SPEED_FACTORS[1]).contains(factor) => Err(
-                CommandFault(format!("factor is {factor}: use {} to {}", SPEED_FACTORS[0], SPEED_FACTORS[1])),
-            ),
+            Self::RunUntil { time_s } if !(0.0..=1e9).contains(time_s) => {
+                fault(format!("time_s is {time_s}: use 0 to 1000000000"))
+            }
+            Self::Speed { factor: SpeedFactor::Times(factor) }
+                if !(SPEED_FACTORS[0]..=SPEED_FACTORS[1]).contains(factor) =>
+            {
+                let [low, high] = SPEED_FACTORS;
+                fault(format!("factor is {factor}: use {low} to {high}, or \"max\""))
+            }
+            Self::SetBalls { balls } if !(1..=MAX_SET_BALLS).contains(&balls.len()) => {
+                fault(format!("{} balls are set at once: use 1 to {MAX_SET_BALLS}", balls.len()))
+            }
+            Self::SetBalls { balls } => balls.iter().try_for_each(BallSetting::check),
+            Self::LoadScene { name, toml } if name.is_some() == toml.is_some() => {
+                fault("give either the name of a scene or its toml".into())
+            }
             _ => Ok(()),
+        }
+    }
+}
+
+fn check_name(name: &str) -> Result<(), CommandFault> {
+    if name.is_empty() || name.len() > MAX_BALL_NAME_BYTES {
+        return Err(CommandFault("ball is a name of 1 to 64 bytes".into()));
+    }
+    Ok(())
+}
+
+impl BallSetting {
+    fn check(&self) -> Result<(), CommandFault> {
+        check_name(&self.name)?;
+        let numbers = self.center_m.iter().flatten().chain(self.velocity_m_per_s.iter().flatten());
+        match numbers.chain(&self.spin_rad_per_s).find(|x| !(-LARGEST..=LARGEST).contains(*x)) {
+            Some(x) => Err(CommandFault(format!("{} of ball {:?}: use -1e6 to 1e6", x, self.name))),
+            None => Ok(()),
         }
     }
 }
@@ -181,20 +314,6 @@ pub enum SteerMode {
     Force,
 }
 
-/// The answer to a [`Command`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Reply {
-    /// Whether it was done.
-    pub ok: bool,
-    /// Tick at which it acted; 0 when it was refused before it came to one.
-    pub tick: u64,
-    /// Epoch of that tick; 0 likewise.
-    pub epoch: u64,
-    /// Why not, and what would do; empty when done.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub error: String,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -227,14 +346,30 @@ mod tests {
             Command::Pause {},
             Command::Resume {},
             Command::Step { ticks: 5 },
-            Command::Reset {},
-            Command::Speed { factor: 0.5 },
+            Command::RunUntil { time_s: 2.5 },
+            Command::Reset { scope: Scope::All, seed: None },
+            Command::Reset { scope: Scope::Time, seed: Some(7) },
+            Command::Speed { factor: SpeedFactor::Times(0.5) },
+            Command::Speed { factor: SpeedFactor::Named(SpeedName::Max) },
+            Command::SetBalls { balls: vec![BallSetting { name: "red".into(), ..BallSetting::default() }] },
+            Command::SetBalls {
+                balls: vec![BallSetting {
+                    name: "red".into(),
+                    center_m: Some([0.1, -0.2]),
+                    velocity_m_per_s: Some([1.0, 2.0, 0.0]),
+                    spin_rad_per_s: Some(-3.0),
+                }],
+            },
+            Command::LoadScene { name: Some("bowl".into()), toml: None },
+            Command::LoadScene { name: None, toml: Some("version = 1".into()) },
         ];
         for command in all {
             let text = serde_json::to_string(&command).unwrap();
             assert_eq!(Command::from_json(&text).unwrap(), command, "{text}");
         }
-        assert_eq!(Command::from_json(r#"{"cmd":"step"}"#).unwrap(), Command::Step { ticks: 1 });
+        let reads = |text: &str| Command::from_json(text).unwrap();
+        assert_eq!(reads(r#"{"cmd":"step"}"#), Command::Step { ticks: 1 });
+        assert_eq!(reads(r#"{"cmd":"reset"}"#), Command::Reset { scope: Scope::All, seed: None });
     }
 
     #[test]
@@ -259,6 +394,19 @@ mod tests {
             r#"{"cmd":"speed","factor":1e999}"#,
             r#"{"cmd":"speed","factor":"NaN"}"#,
             r#"{"cmd":"speed","factor":null}"#,
+            r#"{"cmd":"speed","factor":"fast"}"#,
+            r#"{"cmd":"run_until"}"#,
+            r#"{"cmd":"run_until","time_s":-1}"#,
+            r#"{"cmd":"run_until","time_s":1e10}"#,
+            r#"{"cmd":"reset","scope":"some"}"#,
+            r#"{"cmd":"reset","seed":-1}"#,
+            r#"{"cmd":"set_balls","balls":[]}"#,
+            r#"{"cmd":"set_balls","balls":[{"name":""}]}"#,
+            r#"{"cmd":"set_balls","balls":[{"name":"a","mass_kg":1}]}"#,
+            r#"{"cmd":"set_balls","balls":[{"name":"a","center_m":[0,0,0]}]}"#,
+            r#"{"cmd":"set_balls","balls":[{"name":"a","center_m":[0,1e7]}]}"#,
+            r#"{"cmd":"load_scene"}"#,
+            r#"{"cmd":"load_scene","name":"bowl","toml":""}"#,
             r#"{"cmd":"steer","direction":[1,1]}"#,
             r#"{"cmd":"steer","direction":[1e308,1e308]}"#,
             r#"{"cmd":"steer","direction":[1]}"#,
@@ -274,7 +422,7 @@ mod tests {
             mode: SteerMode::Impulse,
         };
         assert!(nan.check().is_err());
-        assert!(Command::Speed { factor: f64::NAN }.check().is_err());
+        assert!(Command::Speed { factor: SpeedFactor::Times(f64::NAN) }.check().is_err());
     }
 
     #[test]

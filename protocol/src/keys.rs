@@ -12,6 +12,9 @@
 //! | `srv/scene` | anyone, asked | the scene, JSON |
 //! | `srv/stats` | anyone, asked | the newest statistics, JSON |
 //! | `srv/info` | anyone, asked | frames, units, versions, JSON |
+//! | `srv/balls` | anyone, asked | some or all [`Balls`](crate::listing::Balls): `?name=a;name=b`, `?player=true`, `?within=x0,y0,x1,y1`, JSON |
+//! | `srv/features` | anyone, asked | [`Features`](crate::listing::Features): what is supported, with limits, JSON |
+//! | `srv/scenes` | anyone, asked | [`Scenes`](crate::listing::Scenes) that come with the program, JSON |
 //! | `alive/<role>/<id>` | each for itself | a liveliness token while it lives |
 //!
 //! The chunk `v1` changes when old and new can no longer understand each other.
@@ -154,6 +157,21 @@ impl Keys {
     /// Frames, units, versions.
     pub fn srv_info(&self) -> String {
         self.under("srv/info")
+    }
+
+    /// Some or all balls.
+    pub fn srv_balls(&self) -> String {
+        self.under("srv/balls")
+    }
+
+    /// What is supported.
+    pub fn srv_features(&self) -> String {
+        self.under("srv/features")
+    }
+
+    /// The scenes that come with the program.
+    pub fn srv_scenes(&self) -> String {
+        self.under("srv/scenes")
     }
 
     /// One token.

@@ -5,10 +5,12 @@
 //! | [`scene`] | the scene file, version 1: what people write and viewers draw |
 //! | [`scene_text`] | TOML to a scene, with errors that name file, line and field |
 //! | [`command`] | what a client may ask of a running arena, and the answer |
+//! | [`reply`] | done at which tick, or why not, with a code |
 //! | [`snapshot`] | the state of all balls at a tick |
 //! | [`event`] | one hit, with time, place and impulse |
 //! | [`stats`] | what the server says of itself once a second |
 //! | [`info`] | frames, units and versions, for whoever asks |
+//! | [`listing`] | lists for whoever asks: balls, scenes, features |
 //! | [`keys`] | the names under which all this travels |
 //! | [`codec`] | bytes to values and back; every limit on size stands there |
 
@@ -17,6 +19,8 @@ pub mod command;
 pub mod event;
 pub mod info;
 pub mod keys;
+pub mod listing;
+pub mod reply;
 pub mod scene;
 pub mod scene_text;
 pub mod snapshot;

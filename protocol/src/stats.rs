@@ -16,6 +16,8 @@ pub struct Stats {
     pub paused: bool,
     /// Simulated seconds wanted per wall second.
     pub speed_factor: f64,
+    /// Whether no tick waits for the wall clock; `speed_factor` is then the one from before.
+    pub as_fast_as_possible: bool,
     /// Simulated seconds reached per wall second, over the last second.
     pub real_time_factor: f64,
     /// Ticks that ended after their deadline, since the server started.

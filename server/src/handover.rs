@@ -2,7 +2,7 @@
 //! the tick: the lock is held for swaps, buffers go round, and what does not fit is counted.
 
 use crate::inbox::Answered;
-use crate::simulation::NumberedHit;
+use crate::simulation::{NumberedHit, Simulation, Stage};
 use protocol::snapshot::Snapshot;
 use protocol::stats::Stats;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -22,6 +22,10 @@ pub struct Batch {
     pub hits: Vec<NumberedHit>,
     /// Hits that found no room so far.
     pub hits_dropped: u64,
+    /// Scenes and rosters that came to be, oldest first; each before the first state of its epoch.
+    pub stages: Vec<Stage>,
+    /// Worlds that ended, to be forgotten where nobody waits for it.
+    pub ended_worlds: Vec<Box<Simulation>>,
     /// Replies to be sent.
     pub answers: Vec<Answered>,
     /// Statistics, once a second.
@@ -34,6 +38,7 @@ impl Batch {
     fn is_empty(&self) -> bool {
         self.state.is_none()
             && self.hits.is_empty()
+            && self.stages.is_empty()
             && self.answers.is_empty()
             && self.stats.is_none()
             && !self.ended
@@ -95,6 +100,13 @@ impl Handover {
         }
         drop(shelf);
         self.filled.notify_one();
+    }
+
+    /// Puts out what the next state belongs to, and the world whose place it took.
+    pub fn put_stage(&self, stage: Stage, ended: Box<Simulation>) {
+        let mut shelf = self.lock();
+        shelf.batch.stages.push(stage);
+        shelf.batch.ended_worlds.push(ended);
     }
 
     /// Counts hits that found no room before they came here.

@@ -1,6 +1,7 @@
 //! Commands as they arrive: bounded, in order, drained by the tick loop.
 
-use protocol::command::{Command, Reply};
+use crate::workshop::Ready;
+use protocol::command::{Command, Refusal, Reply, code};
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -16,6 +17,8 @@ pub type Answer = Box<dyn FnOnce(&Reply) + Send>;
 pub struct Request {
     /// What to do.
     pub command: Command,
+    /// What was made ready for it.
+    pub ready: Ready,
     /// Whom to tell, if anyone asked.
     pub answer: Option<Answer>,
 }
@@ -30,10 +33,10 @@ pub struct Answered {
 
 /// A request that was not taken, and why.
 pub struct Refused {
-    /// The request, whole.
-    pub request: Request,
+    /// Whom to tell.
+    pub answer: Option<Answer>,
     /// Why, for whoever asked.
-    pub why: &'static str,
+    pub why: Refusal,
 }
 
 /// What is said of whatever comes or waits when the tick loop has ended.
@@ -55,14 +58,15 @@ struct Waiting {
 }
 
 impl Inbox {
-    /// Takes a request, or gives it back when the queue is full or closed.
+    /// Takes a request, or says why not when the queue is full or closed.
     pub fn offer(&self, request: Request) -> Result<(), Refused> {
         let mut waiting = self.lock();
         if waiting.closed {
-            return Err(Refused { request, why: ENDING });
+            return Err(Refused { answer: request.answer, why: Refusal::new(code::ENDING, ENDING) });
         }
         if waiting.requests.len() >= INBOX_CAPACITY {
-            return Err(Refused { request, why: "too many commands wait for one tick: send fewer" });
+            let why = Refusal::new(code::TOO_MANY, "too many commands wait for one tick: send fewer");
+            return Err(Refused { answer: request.answer, why });
         }
         waiting.requests.push_back(request);
         drop(waiting);
@@ -117,7 +121,7 @@ mod tests {
     use super::*;
 
     fn step(ticks: u64) -> Request {
-        Request { command: Command::Step { ticks }, answer: None }
+        Request { command: Command::Step { ticks }, ready: Ready::Nothing, answer: None }
     }
 
     #[test]
@@ -136,7 +140,7 @@ mod tests {
         assert!(ticks.eq(0..INBOX_CAPACITY as u64));
         assert!(inbox.offer(step(0)).is_ok());
         inbox.close();
-        assert_eq!(inbox.offer(step(0)).err().map(|refused| refused.why), Some(ENDING));
+        assert_eq!(inbox.offer(step(0)).err().map(|refused| refused.why.code), Some(code::ENDING));
     }
 
     #[test]

@@ -8,6 +8,9 @@
 //! |---|---|
 //! | [`scene_file`] | from the text people write to what the engine takes |
 //! | [`simulation`] | commands in, ticks on, states out; no clock, no I/O |
+//! | [`places`] | where the balls of a scene may be put |
+//! | [`workshop`] | what takes longer than a tick has, made ready on a thread of its own |
+//! | [`features`] | what is understood, with limits |
 //! | [`inbox`] | commands as they arrive: bounded, in order |
 //! | [`tick_loop`] | a fixed rate, on a plain thread |
 //! | [`meter`] | how long ticks take |
@@ -17,14 +20,17 @@
 //! | [`arena`] | all of it together |
 
 pub mod arena;
+pub mod features;
 pub mod handover;
 pub mod inbox;
 pub mod meter;
 mod network;
+pub mod places;
 pub mod recording;
 pub mod scene_file;
 pub mod simulation;
 pub mod tick_loop;
+pub mod workshop;
 
 pub use arena::{Arena, ArenaError, ArenaHandle, ArenaOptions};
 pub use network::NetworkError;

@@ -1,10 +1,12 @@
 //! One world: commands in, ticks on, states out. No clock and no I/O: a run is a function of the scene and of the
 //! commands by tick.
 
+use crate::places::Places;
 use crate::scene_file::{LoadedScene, SceneError};
-use ballroom_physics::{Controller, Drive, Hit, Time};
+use ballroom_physics::{Controller, Drive, Hit, Seat, Time};
 use nalgebra::{Vector2, Vector3};
-use protocol::command::{Direction, SteerMode};
+use protocol::command::{Direction, Refusal, Scope, SteerMode};
+use protocol::scene::Scene;
 use protocol::snapshot::{Collisions, Roster, Snapshot};
 use protocol::stats::Stats;
 use std::collections::BTreeMap;
@@ -13,13 +15,25 @@ use std::sync::Arc;
 /// How long a held force lasts without being renewed, in simulated seconds: a lost release must not drive for ever.
 pub const FORCE_TIMEOUT_S: f64 = 0.5;
 
+/// How near to a whole number of ticks a time must be to mean it.
+const ON_TICK: f64 = 1e-9;
+
+/// What the states of an epoch and those after it belong to.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// The first of its epochs.
+    pub epoch: u64,
+    /// The scene as served.
+    pub scene: Arc<Scene>,
+    /// Who the balls are.
+    pub roster: Arc<Roster>,
+}
+
 /// A scene being run.
 pub struct Simulation {
     loaded: Arc<LoadedScene>,
     controller: Controller,
-    /// The controller at the start: a reset must not prove the floor again between two ticks.
-    pristine: Controller,
-    roster: Arc<Roster>,
+    places: Places,
     /// The ball meant when a player names none.
     first_player: Option<usize>,
     tick_rate_hz: u32,
@@ -41,7 +55,6 @@ impl Simulation {
         let first_player = players.min_by_key(|&(_, &place)| place).map(|(id, _)| id);
         let energy_at_start = controller.energy();
         Ok(Self {
-            roster: Arc::new(roster),
             first_player,
             tick_rate_hz,
             epoch,
@@ -49,17 +62,46 @@ impl Simulation {
             energy_at_start,
             held: BTreeMap::new(),
             loaded,
-            pristine: controller.clone(),
+            places: Places::new(controller.clone(), roster),
             controller,
         })
     }
 
-    /// The same scene from its start, as the next epoch.
-    pub fn reset(&mut self) {
-        self.controller.clone_from(&self.pristine);
-        self.held.clear();
-        self.epoch += 1;
-        self.tick = 0;
+    /// The same scene from its start or from a part of it; as the next epoch, unless the clock goes on.
+    pub fn reset(&mut self, scope: Scope) {
+        match scope {
+            Scope::All => self.controller.clone_from(self.places.start()),
+            Scope::Time => self.controller = self.controller.at_time_zero(self.places.start()),
+            Scope::State => self.controller.set_as_in(self.places.start()),
+            Scope::Spawned => {}
+        }
+        if scope != Scope::Spawned {
+            self.held.clear();
+        }
+        if matches!(scope, Scope::All | Scope::Time) {
+            self.energy_at_start = self.controller.energy();
+            self.epoch += 1;
+            self.tick = 0;
+        }
+    }
+
+    /// Goes on as `next` from its start, as the next epoch; what was goes there.
+    pub fn give_way_to(&mut self, next: &mut Self) {
+        next.epoch = self.epoch + 1;
+        std::mem::swap(self, next);
+    }
+
+    /// Sets balls anew, all of them or none.
+    pub fn set_balls(&mut self, seats: &[Seat]) -> Result<(), Refusal> {
+        self.controller.set_balls(seats).map_err(|fault| self.places.refusal(&fault))
+    }
+
+    /// The first tick at or after a simulated time.
+    pub fn tick_at(&self, time_s: f64) -> u64 {
+        let ticks = time_s * f64::from(self.tick_rate_hz);
+        let whole = ticks.round();
+        // A time that means a whole number of ticks may miss it by its rounding.
+        (if (ticks - whole).abs() <= ON_TICK * ticks.max(1.0) { whole } else { ticks.ceil() }) as u64
     }
 
     /// Advances by one tick.
@@ -108,9 +150,9 @@ impl Simulation {
         let Some(name) = name else {
             return self.first_player.ok_or_else(|| "the scene has no player's ball to steer".to_owned());
         };
-        let players = || self.roster.names.iter().zip(&self.roster.player).filter(|(_, player)| **player);
-        match self.roster.names.binary_search_by(|known| known.as_str().cmp(name)) {
-            Ok(ball) if self.roster.player[ball] => Ok(ball),
+        let players = || self.roster().names.iter().zip(&self.roster().player).filter(|(_, player)| **player);
+        match self.roster().names.binary_search_by(|known| known.as_str().cmp(name)) {
+            Ok(ball) if self.roster().player[ball] => Ok(ball),
             Ok(_) => Err(format!("{name:?} is no player's ball")),
             Err(_) => {
                 let known: Vec<&str> = players().map(|(name, _)| name.as_str()).take(8).collect();
@@ -170,7 +212,17 @@ impl Simulation {
 
     /// Who the balls are, by id.
     pub const fn roster(&self) -> &Arc<Roster> {
-        &self.roster
+        self.places.roster()
+    }
+
+    /// Where its balls may be put.
+    pub const fn places(&self) -> &Places {
+        &self.places
+    }
+
+    /// What its states belong to.
+    pub fn stage(&self) -> Stage {
+        Stage { epoch: self.epoch, scene: self.loaded.scene().clone(), roster: self.roster().clone() }
     }
 
     /// The scene it runs.
@@ -340,7 +392,7 @@ mod tests {
         for _ in 0..100 {
             simulation.advance();
         }
-        simulation.reset();
+        simulation.reset(Scope::All);
         let again = state(&simulation);
         assert_eq!((again.epoch, again.tick), (8, 0));
         assert_eq!(Snapshot { epoch: 7, ..again }, first);

@@ -5,7 +5,8 @@ use crate::inbox::{Answer, Answered, ENDING, Inbox, Request};
 use crate::meter::Meter;
 use crate::recording::Tape;
 use crate::simulation::{NumberedHit, Simulation};
-use protocol::command::{Command, Reply};
+use crate::workshop::Ready;
+use protocol::command::{Command, MAX_RUN_TICKS, Refusal, Reply, SpeedFactor, code};
 use protocol::stats::Stats;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,6 +26,7 @@ pub struct TickLoop {
     stop: Arc<AtomicBool>,
     paused: bool,
     speed_factor: f64,
+    as_fast_as_possible: bool,
     /// When the next tick is due, while the clock runs.
     due: Instant,
     stepping: Option<Stepping>,
@@ -59,6 +61,7 @@ impl TickLoop {
             stop,
             paused,
             speed_factor: 1.0,
+            as_fast_as_possible: false,
             due: Instant::now(),
             stepping: None,
             meter: Meter::new(),
@@ -95,6 +98,10 @@ impl TickLoop {
                 }
                 self.due = now;
                 self.inbox.wait_until(now + SLICE);
+            } else if self.as_fast_as_possible {
+                self.make_ticks(now + SLICE, u64::MAX);
+                self.hand_over();
+                self.due = Instant::now();
             } else if now < self.due {
                 std::thread::sleep((self.due - now).min(SLICE));
             } else {
@@ -110,13 +117,13 @@ impl TickLoop {
 
     /// Nobody who asked is left without an answer when the server ends.
     fn refuse_what_waits(&mut self) {
-        self.end_stepping(ENDING);
+        self.end_stepping(Err(Refusal::new(code::ENDING, ENDING)));
         self.inbox.close();
         let mut requests = std::mem::take(&mut self.requests);
         self.inbox.drain_into(&mut requests);
         for answer in requests.drain(..).filter_map(|request| request.answer) {
             self.inbox.count_refused();
-            let reply = self.reply(ENDING.to_owned());
+            let reply = self.reply(Err(Refusal::new(code::ENDING, ENDING)));
             self.answers.push(Answered { answer, reply });
         }
         self.handover.put(None, &mut self.hits, &mut self.answers, None);
@@ -152,9 +159,8 @@ impl TickLoop {
         }
     }
 
-    /// As many steps as fit before `until`, at least one.
-    fn make_steps(&mut self, until: Instant) {
-        let Some(last_tick) = self.stepping.as_ref().map(|stepping| stepping.last_tick) else { return };
+    /// As many ticks as fit before `until` and up to `last_tick`, at least one.
+    fn make_ticks(&mut self, until: Instant, last_tick: u64) {
         while self.simulation.tick() < last_tick {
             self.tape.give_way();
             let began = Instant::now();
@@ -164,17 +170,26 @@ impl TickLoop {
                 break;
             }
         }
+    }
+
+    fn make_steps(&mut self, until: Instant) {
+        let Some(last_tick) = self.stepping.as_ref().map(|stepping| stepping.last_tick) else { return };
+        self.make_ticks(until, last_tick);
         if self.simulation.tick() >= last_tick {
-            self.end_stepping("");
+            self.end_stepping(Ok(()));
         }
         self.hand_over();
     }
 
-    fn end_stepping(&mut self, error: &str) {
+    fn end_stepping(&mut self, done: Result<(), Refusal>) {
         if let Some(answer) = self.stepping.take().and_then(|stepping| stepping.answer) {
-            let reply = self.reply(error.to_owned());
+            let reply = self.reply(done);
             self.answers.push(Answered { answer, reply });
         }
+    }
+
+    fn interrupt_stepping(&mut self, by: &str) {
+        self.end_stepping(Err(Refusal::new(code::INTERRUPTED, format!("{by} before the last step"))));
     }
 
     /// Applies what waits, at the present tick; true when there was something.
@@ -189,42 +204,37 @@ impl TickLoop {
         touched
     }
 
-    fn apply(&mut self, Request { command, answer }: Request) {
+    fn apply(&mut self, Request { command, ready, answer }: Request) {
         let at = (self.simulation.epoch(), self.simulation.tick());
         let done = match &command {
             Command::Steer { ball, direction, mode } => {
-                self.simulation.steer(ball.as_deref(), *direction, *mode)
+                let steered = self.simulation.steer(ball.as_deref(), *direction, *mode);
+                steered.map_err(|why| Refusal::new(code::NOT_FOUND, why))
             }
             Command::Pause {} => {
+                self.interrupt_stepping("paused");
                 self.paused = true;
                 Ok(())
             }
             Command::Resume {} => {
-                self.end_stepping("resumed before the last step");
+                self.interrupt_stepping("resumed");
                 self.paused = false;
                 Ok(())
             }
-            Command::Step { .. } if !self.paused => Err("the clock runs: pause before stepping".into()),
-            Command::Step { .. } if self.stepping.is_some() => {
-                Err("the last steps are still being made".into())
-            }
-            Command::Step { ticks } => {
-                self.inbox.count_accepted();
-                let last_tick = self.simulation.tick() + ticks;
-                self.stepping = Some(Stepping { last_tick, answer });
-                self.tape.obeyed(at, command, &self.simulation);
-                return;
-            }
-            Command::Reset {} => {
-                self.end_stepping("reset before the last step");
-                self.sequence = 0;
-                self.simulation.reset();
-                Ok(())
+            Command::Step { .. } | Command::RunUntil { .. } => match self.last_tick(&command) {
+                Ok(last_tick) => {
+                    self.inbox.count_accepted();
+                    self.stepping = Some(Stepping { last_tick, answer });
+                    self.tape.obeyed(at, command, &self.simulation);
+                    return;
+                }
+                Err(refusal) => Err(refusal),
+            },
+            Command::Reset { .. } | Command::LoadScene { .. } | Command::SetBalls { .. } => {
+                self.change_world(&command, ready)
             }
             Command::Speed { factor } => {
-                self.speed_factor = *factor;
-                // A slow clock's next tick may have been far off.
-                self.due = self.due.min(Instant::now() + self.period());
+                self.set_speed(*factor);
                 Ok(())
             }
         };
@@ -235,13 +245,68 @@ impl TickLoop {
             self.inbox.count_refused();
         }
         if let Some(answer) = answer {
-            let reply = self.reply(done.err().unwrap_or_default());
+            let reply = self.reply(done);
             self.answers.push(Answered { answer, reply });
         }
     }
 
-    fn reply(&self, error: String) -> Reply {
-        Reply { ok: error.is_empty(), tick: self.simulation.tick(), epoch: self.simulation.epoch(), error }
+    /// Where steps that were asked for shall end.
+    fn last_tick(&self, command: &Command) -> Result<u64, Refusal> {
+        let refuse = |why: String| Err(Refusal::new(code::INCORRECT_STATE, why));
+        if !self.paused {
+            return refuse("the clock runs: pause before stepping".into());
+        }
+        if self.stepping.is_some() {
+            return refuse("the last steps are still being made".into());
+        }
+        let tick = self.simulation.tick();
+        let Command::RunUntil { time_s } = command else {
+            return Ok(if let Command::Step { ticks } = command { tick + ticks } else { tick });
+        };
+        let last = self.simulation.tick_at(*time_s);
+        if last < tick {
+            return refuse(format!("{time_s} s is over: it is tick {tick}; reset first"));
+        }
+        if last - tick > MAX_RUN_TICKS {
+            return refuse(format!("{} ticks are too many: at most {MAX_RUN_TICKS} at once", last - tick));
+        }
+        Ok(last)
+    }
+
+    /// Puts what was made ready in its place.
+    fn change_world(&mut self, command: &Command, ready: Ready) -> Result<(), Refusal> {
+        if let Ready::Seats(seats) = ready {
+            return self.simulation.set_balls(&seats);
+        }
+        self.interrupt_stepping("reset");
+        let epoch = self.simulation.epoch();
+        if let Ready::World(mut world) = ready {
+            self.simulation.give_way_to(&mut world);
+            self.handover.put_stage(self.simulation.stage(), world);
+        } else if let Command::Reset { scope, .. } = command {
+            self.simulation.reset(*scope);
+        } else {
+            return Err(Refusal::new(code::OPERATION_FAILED, "nothing was made ready for this"));
+        }
+        if self.simulation.epoch() != epoch {
+            self.sequence = 0;
+            // Its first state goes out before anything else of the epoch.
+            self.hand_over();
+        }
+        Ok(())
+    }
+
+    fn set_speed(&mut self, factor: SpeedFactor) {
+        self.as_fast_as_possible = matches!(factor, SpeedFactor::Named(_));
+        if let SpeedFactor::Times(factor) = factor {
+            self.speed_factor = factor;
+        }
+        // A slow clock's next tick may have been far off.
+        self.due = self.due.min(Instant::now() + self.period());
+    }
+
+    fn reply(&self, done: Result<(), Refusal>) -> Reply {
+        Reply::of(done, self.simulation.tick(), self.simulation.epoch())
     }
 
     fn hand_over(&mut self) {
@@ -259,6 +324,7 @@ impl TickLoop {
         let mut stats = Stats {
             paused: self.paused,
             speed_factor: self.speed_factor,
+            as_fast_as_possible: self.as_fast_as_possible,
             real_time_factor: figures.ticks_per_s / f64::from(self.simulation.tick_rate_hz()),
             overruns: figures.overruns,
             tick_micros: figures.tick_micros,
@@ -284,7 +350,14 @@ mod tests {
     use super::*;
     use crate::handover::Batch;
     use crate::scene_file::SceneText;
+    use protocol::command::{Scope, SpeedName};
     use std::sync::mpsc::{Receiver, channel};
+
+    const RESET: Command = Command::Reset { scope: Scope::All, seed: None };
+
+    const fn speed(factor: f64) -> Command {
+        Command::Speed { factor: SpeedFactor::Times(factor) }
+    }
 
     /// A loop on its own thread, with everything around it but the network.
     struct Running {
@@ -307,7 +380,9 @@ mod tests {
         fn send(&self, command: Command) -> Receiver<Reply> {
             let (sender, receiver) = channel();
             let answer: Answer = Box::new(move |reply: &Reply| sender.send(reply.clone()).unwrap());
-            assert!(self.inbox.offer(Request { command, answer: Some(answer) }).is_ok());
+            assert!(
+                self.inbox.offer(Request { command, ready: Ready::Nothing, answer: Some(answer) }).is_ok()
+            );
             receiver
         }
 
@@ -339,10 +414,49 @@ mod tests {
         let running = Running::start(true, 60);
         assert_eq!(running.ask(Command::Step { ticks: 1 }).tick, 1);
         assert_eq!(running.ask(Command::Step { ticks: 2000 }).tick, 2001);
-        let reset = running.ask(Command::Reset {});
+        let reset = running.ask(RESET);
         assert_eq!((reset.ok, reset.tick, reset.epoch), (true, 0, 2));
         assert_eq!(running.ask(Command::Step { ticks: 5 }).tick, 5);
         assert_eq!(running.inbox.counts(), [4, 0]);
+    }
+
+    #[test]
+    fn a_run_ends_at_the_tick_of_its_time_and_stays_paused() {
+        let running = Running::start(true, 60);
+        for (time_s, tick) in [(0.0, 0), (2.5, 150), (2.5 + 1e-12, 150), (2.501, 151), (1000.0, 60_000)] {
+            let reply = running.ask(Command::RunUntil { time_s });
+            assert_eq!((reply.ok, reply.code, reply.tick), (true, code::OK, tick), "{time_s}: {reply:?}");
+        }
+        let past = running.ask(Command::RunUntil { time_s: 999.0 });
+        assert!(past.code == code::INCORRECT_STATE && past.error.contains("is over"), "{past:?}");
+        assert_eq!(running.ask(Command::RunUntil { time_s: 1e9 }).code, code::INCORRECT_STATE);
+        assert_eq!(running.ask(Command::Step { ticks: 1 }).tick, 60_001);
+    }
+
+    #[test]
+    fn a_pause_ends_a_run_and_whoever_asked_is_told() {
+        let running = Running::start(true, 60);
+        let long = running.send(Command::RunUntil { time_s: 1e6 });
+        while running.inbox.counts() == [0, 0] {
+            std::thread::yield_now();
+        }
+        let paused = running.ask(Command::Pause {});
+        let long = long.recv_timeout(Duration::from_secs(10)).unwrap();
+        assert_eq!((long.ok, long.code, long.tick), (false, code::INTERRUPTED, paused.tick));
+        assert_eq!(running.ask(Command::Step { ticks: 1 }).tick, paused.tick + 1);
+    }
+
+    #[test]
+    fn at_the_highest_speed_no_tick_waits_for_the_clock() {
+        let running = Running::start(false, 1);
+        assert!(running.ask(Command::Speed { factor: SpeedFactor::Named(SpeedName::Max) }).ok);
+        // At one tick a second that would take a quarter of an hour.
+        let mut tick = 0;
+        while tick < 1000 {
+            std::thread::sleep(Duration::from_millis(1));
+            tick = running.ask(speed(1.0)).tick;
+            assert!(running.ask(Command::Speed { factor: SpeedFactor::Named(SpeedName::Max) }).ok);
+        }
     }
 
     #[test]
@@ -362,8 +476,8 @@ mod tests {
     #[test]
     fn speed_scales_the_ticks_a_second() {
         let running = Running::start(false, 100);
-        assert!(running.ask(Command::Speed { factor: 4.0 }).ok);
-        let from = running.ask(Command::Speed { factor: 4.0 }).tick;
+        assert!(running.ask(speed(4.0)).ok);
+        let from = running.ask(speed(4.0)).tick;
         let began = Instant::now();
         std::thread::sleep(Duration::from_millis(500));
         let ticks = running.ask(Command::Pause {}).tick - from;
@@ -375,9 +489,9 @@ mod tests {
     #[test]
     fn a_clock_made_faster_does_not_wait_for_the_slow_tick() {
         let running = Running::start(false, 1);
-        let slow = running.ask(Command::Speed { factor: 0.01 });
+        let slow = running.ask(speed(0.01));
         std::thread::sleep(Duration::from_millis(1500));
-        assert!(slow.ok && running.ask(Command::Speed { factor: 100.0 }).ok);
+        assert!(slow.ok && running.ask(speed(100.0)).ok);
         std::thread::sleep(Duration::from_millis(500));
         assert!(running.ask(Command::Pause {}).tick > slow.tick + 10);
     }
@@ -392,7 +506,9 @@ mod tests {
         running.stop.store(true, Ordering::Relaxed);
         let late = running.inbox.clone();
         running.thread.take().unwrap().join().unwrap();
-        assert!(late.offer(Request { command: Command::Pause {}, answer: None }).is_err());
+        assert!(
+            late.offer(Request { command: Command::Pause {}, ready: Ready::Nothing, answer: None }).is_err()
+        );
         let mut batch = Batch::default();
         running.handover.take(&mut batch, Duration::ZERO);
         assert!(batch.ended);

@@ -1,8 +1,8 @@
 //! Commands and their answers, from Rust, from the shell, from plain Zenoh and from Python.
 
-use crate::states::done;
+use crate::states::{RESET, done};
 use ballroom_client::Client;
-use protocol::command::{Command, Direction, DirectionName, SteerMode};
+use protocol::command::{Command, Direction, DirectionName, SpeedFactor, SteerMode};
 use protocol::keys::Name;
 use std::process::Command as Shell;
 use std::time::Duration;
@@ -77,7 +77,7 @@ fn pause_step_resume_reset_speed_answer_with_the_tick() {
     let snapshot = client.snapshot().unwrap().snapshot;
     assert!(snapshot.paused && snapshot.tick == stepped.tick, "{snapshot:?}");
 
-    assert_eq!(done(&client, &Command::Speed { factor: 0.5 }).tick, stepped.tick);
+    assert_eq!(done(&client, &Command::Speed { factor: SpeedFactor::Times(0.5) }).tick, stepped.tick);
     assert_eq!(done(&client, &Command::Resume {}).tick, stepped.tick);
     until("the clock to run", PATIENCE, || {
         (client.snapshot().unwrap().snapshot.tick > stepped.tick).then_some(())
@@ -87,7 +87,7 @@ fn pause_step_resume_reset_speed_answer_with_the_tick() {
         (stats.speed_factor == 0.5 && !stats.paused).then_some(())
     });
 
-    let reset = done(&client, &Command::Reset {});
+    let reset = done(&client, &RESET);
     assert_eq!((reset.tick, reset.epoch), (0, paused.epoch + 1));
 }
 

@@ -3,7 +3,7 @@
 use crate::states::done;
 use ballroom_client::Client;
 use nix::sys::signal::Signal;
-use protocol::command::{Command, Direction, DirectionName, SteerMode};
+use protocol::command::{Command, Direction, DirectionName, Scope, SpeedFactor, SteerMode};
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use tests::{Output, Server, run, turn};
@@ -25,8 +25,8 @@ fn play(client: &Client, commands: u32) {
         let direction = Direction::Vector([0.9 * angle.cos(), 0.9 * angle.sin()]);
         let mode = [SteerMode::Impulse, SteerMode::Force][draw(2) as usize];
         let command = match draw(12) {
-            0 => Command::Speed { factor: 0.5 + draw(8) as f64 },
-            1 => Command::Reset {},
+            0 => Command::Speed { factor: SpeedFactor::Times(0.5 + draw(8) as f64) },
+            1 => Command::Reset { scope: Scope::All, seed: None },
             2 => {
                 done(client, &Command::Pause {});
                 done(client, &Command::Step { ticks: 1 + draw(100) });
@@ -92,8 +92,8 @@ fn a_killed_server_leaves_all_but_its_last_second() {
     let server = Server::start(&["original", "--record", file.to_str().unwrap()]);
     let client = server.client();
     play(&client, 40);
-    done(&client, &Command::Reset {});
-    done(&client, &Command::Speed { factor: 1.0 });
+    done(&client, &Command::Reset { scope: Scope::All, seed: None });
+    done(&client, &Command::Speed { factor: SpeedFactor::Times(1.0) });
     std::thread::sleep(Duration::from_millis(2500));
     let last = done(&client, &Command::Pause {});
     server.kill();

@@ -3,7 +3,7 @@
 use ballroom_client::{Client, Follower, Update};
 use nix::sys::signal::Signal;
 use protocol::codec::encode_json;
-use protocol::command::{Command, Reply};
+use protocol::command::{Command, Reply, Scope};
 use protocol::event::{Event, Other};
 use protocol::scene::Scene;
 use protocol::snapshot::{Snapshot, World};
@@ -36,6 +36,9 @@ fn states_for(follower: &mut Follower, duration: Duration) -> Vec<Snapshot> {
     }
     states
 }
+
+/// Back to the start.
+pub const RESET: Command = Command::Reset { scope: Scope::All, seed: None };
 
 pub fn done(client: &Client, command: &Command) -> Reply {
     let reply = client.command(command).unwrap();
@@ -111,7 +114,7 @@ fn a_reset_begins_a_new_epoch_for_whoever_follows() {
     let scenes = client.session().declare_subscriber(client.keys().meta_scene()).wait().unwrap();
     let mut follower = client.follow().unwrap();
     let before = next_state(&mut follower, PATIENCE);
-    assert_eq!(done(&client, &Command::Reset {}).epoch, before.epoch + 1);
+    assert_eq!(done(&client, &RESET).epoch, before.epoch + 1);
     let world = next_world(&mut follower, PATIENCE);
     assert_eq!(world.snapshot.epoch, before.epoch + 1);
     let scene = scenes.recv_timeout(PATIENCE).unwrap().expect("the scene again");

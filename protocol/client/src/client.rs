@@ -7,6 +7,7 @@ use protocol::codec::{self, CodecError};
 use protocol::command::{Command, CommandFault, Reply};
 use protocol::event::Events;
 use protocol::keys::{Keys, Name, Role};
+use protocol::listing::{Balls, Features, Scenes, Selection};
 use protocol::scene::Scene;
 use protocol::snapshot::{Snapshot, World};
 use protocol::stats::Stats;
@@ -179,6 +180,21 @@ impl Client {
     /// The newest statistics.
     pub fn stats(&self) -> Result<Stats, ClientError> {
         Ok(codec::decode_json(&self.ask(&self.keys.srv_stats())?)?)
+    }
+
+    /// Some or all balls as they are now.
+    pub fn balls(&self, selection: &Selection) -> Result<Balls, ClientError> {
+        Ok(codec::decode_json(&self.ask(&format!("{}?{}", self.keys.srv_balls(), selection.words()))?)?)
+    }
+
+    /// The scenes that come with the server.
+    pub fn scenes(&self) -> Result<Scenes, ClientError> {
+        Ok(codec::decode_json(&self.ask(&self.keys.srv_scenes())?)?)
+    }
+
+    /// What the server understands, with limits.
+    pub fn features(&self) -> Result<Features, ClientError> {
+        Ok(codec::decode_json(&self.ask(&self.keys.srv_features())?)?)
     }
 
     /// The newest statistics without waiting for a server to appear.

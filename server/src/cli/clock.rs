@@ -1,24 +1,20 @@
-//! `pause`, `resume`, `step`, `reset` and `speed`: what they do to the clock is one line each.
+//! `pause`, `resume`, `step`, `run-until`, `reset` and `speed`: what they do to the clock is one line each.
 
-use super::connection::{ANSWER_TIMEOUT, Connection};
-use protocol::command::Command;
-use std::time::Duration;
-
-/// A step may be a million ticks long.
-const STEP_TIMEOUT: Duration = Duration::from_hours(1);
+use super::connection::{ANSWER_TIMEOUT, Asked, LONG_TIMEOUT};
+use protocol::command::{Command, Scope, SpeedFactor, SpeedName};
 
 /// Stop the clock
 #[derive(clap::Args)]
 pub struct Pause {
     #[command(flatten)]
-    connection: Connection,
+    asked: Asked,
 }
 
 /// Let the clock run
 #[derive(clap::Args)]
 pub struct Resume {
     #[command(flatten)]
-    connection: Connection,
+    asked: Asked,
 }
 
 /// Advance a paused arena by whole ticks; returns when they are done
@@ -29,52 +25,109 @@ pub struct Step {
     #[arg(default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=protocol::command::MAX_STEP_TICKS))]
     ticks: u64,
     #[command(flatten)]
-    connection: Connection,
+    asked: Asked,
 }
 
-/// Back to the scene's first state
+/// Advance a paused arena as fast as it goes to a simulated time; returns when it is reached
 #[derive(clap::Args)]
-pub struct Reset {
+#[command(after_help = "\
+The arena stays paused. It ends at the first tick at or after the time; a pause ends it before.
+
+Examples:
+  ballroom pause && ballroom run-until 60
+  ballroom run-until 2.5 --json")]
+pub struct RunUntil {
+    /// Simulated seconds since the epoch began
+    #[arg(value_name = "T")]
+    time_s: f64,
     #[command(flatten)]
-    connection: Connection,
+    asked: Asked,
+}
+
+/// Back to the scene's first state, or to a part of it
+#[derive(clap::Args)]
+#[command(after_help = "\
+Scopes: all = everything, a new epoch; time = the clock and every count, the balls stay as they are, a new epoch;
+state = places, velocities and spins, the clock goes on; spawned = what was not in the scene.
+
+Examples:
+  ballroom reset
+  ballroom reset --seed 7           clouds placed anew; the cloud at place i of the scene has the seed 7 + i
+  ballroom reset --scope state")]
+pub struct Reset {
+    /// What of it: all, time, state or spawned
+    #[arg(long, default_value = "all", value_parser = scope)]
+    scope: Scope,
+    /// Places the scene's clouds anew; without it they are as the scene says
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    #[command(flatten)]
+    asked: Asked,
 }
 
 /// Set the simulated seconds per wall second
 #[derive(clap::Args)]
-#[command(after_help = "Examples:\n  ballroom speed 0.1    slow motion\n  ballroom speed 1      real time")]
+#[command(
+    after_help = "Examples:\n  ballroom speed 0.1    slow motion\n  ballroom speed 1      real time\n  ballroom speed max    as fast as it goes"
+)]
 pub struct Speed {
-    /// 0.01 to 100
-    factor: f64,
+    /// 0.01 to 100, or max
+    #[arg(value_parser = factor)]
+    factor: SpeedFactor,
     #[command(flatten)]
-    connection: Connection,
+    asked: Asked,
 }
 
 impl Pause {
     pub fn run(self) -> anyhow::Result<()> {
-        self.connection.command(&Command::Pause {}, ANSWER_TIMEOUT)
+        self.asked.command(&Command::Pause {}, ANSWER_TIMEOUT)
     }
 }
 
 impl Resume {
     pub fn run(self) -> anyhow::Result<()> {
-        self.connection.command(&Command::Resume {}, ANSWER_TIMEOUT)
+        self.asked.command(&Command::Resume {}, ANSWER_TIMEOUT)
     }
 }
 
 impl Step {
     pub fn run(self) -> anyhow::Result<()> {
-        self.connection.command(&Command::Step { ticks: self.ticks }, STEP_TIMEOUT)
+        self.asked.command(&Command::Step { ticks: self.ticks }, LONG_TIMEOUT)
+    }
+}
+
+impl RunUntil {
+    pub fn run(self) -> anyhow::Result<()> {
+        self.asked.command(&Command::RunUntil { time_s: self.time_s }, LONG_TIMEOUT)
     }
 }
 
 impl Reset {
     pub fn run(self) -> anyhow::Result<()> {
-        self.connection.command(&Command::Reset {}, ANSWER_TIMEOUT)
+        let timeout = if self.seed.is_some() { LONG_TIMEOUT } else { ANSWER_TIMEOUT };
+        self.asked.command(&Command::Reset { scope: self.scope, seed: self.seed }, timeout)
     }
 }
 
 impl Speed {
     pub fn run(self) -> anyhow::Result<()> {
-        self.connection.command(&Command::Speed { factor: self.factor }, ANSWER_TIMEOUT)
+        self.asked.command(&Command::Speed { factor: self.factor }, ANSWER_TIMEOUT)
+    }
+}
+
+fn scope(text: &str) -> Result<Scope, String> {
+    match text {
+        "all" => Ok(Scope::All),
+        "time" => Ok(Scope::Time),
+        "state" => Ok(Scope::State),
+        "spawned" => Ok(Scope::Spawned),
+        _ => Err("use all, time, state or spawned".into()),
+    }
+}
+
+fn factor(text: &str) -> Result<SpeedFactor, String> {
+    match text {
+        "max" => Ok(SpeedFactor::Named(SpeedName::Max)),
+        _ => text.parse().map(SpeedFactor::Times).map_err(|_| "use 0.01 to 100, or max".into()),
     }
 }

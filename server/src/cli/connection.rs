@@ -46,17 +46,37 @@ impl Connection {
         };
         Ok(Client::open(options)?)
     }
+}
 
+/// A command to be answered, and how the answer is told.
+#[derive(clap::Args, Debug)]
+pub struct Asked {
+    /// Print the reply as a line of JSON, whatever it says
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    connection: Connection,
+}
+
+impl Asked {
     /// Sends a command and says what came of it.
     pub fn command(&self, command: &Command, timeout: Duration) -> anyhow::Result<()> {
-        let reply = self.open(Abort::default(), timeout)?.command(command)?;
+        let reply = self.connection.open(Abort::default(), timeout)?.command(command)?;
+        let mut out = std::io::stdout();
+        if self.json {
+            writeln!(out, "{}", serde_json::to_string(&reply)?)?;
+        }
         if !reply.ok {
             return Err(Refused(reply.error).into());
         }
-        writeln!(std::io::stdout(), "done at tick {} of epoch {}", reply.tick, reply.epoch)?;
+        if !self.json {
+            writeln!(out, "done at tick {} of epoch {}", reply.tick, reply.epoch)?;
+        }
         Ok(())
     }
 }
 
 /// How long one answer may take that needs no work.
 pub const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
+/// How long one may take that has to be worked for: a million ticks, a floor to be proved.
+pub const LONG_TIMEOUT: Duration = Duration::from_hours(1);

@@ -1,8 +1,10 @@
 //! The command line: one file a subcommand, and what they share.
 
 mod ball_count;
+mod balls;
 mod check;
 mod clock;
+mod completions;
 mod connection;
 mod exit;
 mod hardcases;
@@ -13,6 +15,7 @@ mod signals;
 mod simulate;
 mod steer;
 mod watch;
+mod world;
 
 use clap::{Parser, Subcommand};
 use std::io::IsTerminal;
@@ -47,12 +50,18 @@ enum Subcommands {
     Pause(clock::Pause),
     Resume(clock::Resume),
     Step(clock::Step),
+    RunUntil(clock::RunUntil),
     Reset(clock::Reset),
     Speed(clock::Speed),
+    Balls(Box<balls::Balls>),
+    Load(world::Load),
+    Scenes(world::Scenes),
+    Features(world::Features),
     Watch(watch::Watch),
     Simulate(simulate::Simulate),
     Replay(replay::Replay),
     Hardcases(hardcases::Hardcases),
+    Completions(completions::Completions),
 }
 
 /// Runs the subcommand and says in one line what went wrong.
@@ -72,12 +81,18 @@ pub fn main() -> ExitCode {
         Subcommands::Pause(pause) => pause.run(),
         Subcommands::Resume(resume) => resume.run(),
         Subcommands::Step(step) => step.run(),
+        Subcommands::RunUntil(run) => run.run(),
+        Subcommands::Balls(balls) => balls.run(),
+        Subcommands::Load(load) => load.run(),
+        Subcommands::Scenes(scenes) => scenes.run(),
+        Subcommands::Features(features) => features.run(),
         Subcommands::Reset(reset) => reset.run(),
         Subcommands::Speed(speed) => speed.run(),
         Subcommands::Watch(watch) => watch.run(),
         Subcommands::Simulate(simulate) => simulate.run(),
         Subcommands::Replay(replay) => replay.run(),
         Subcommands::Hardcases(hardcases) => hardcases.run(),
+        Subcommands::Completions(completions) => completions.run(),
     };
     done.map_or_else(|error| exit::code_of(&error), |()| ExitCode::SUCCESS)
 }

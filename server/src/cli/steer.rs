@@ -1,6 +1,6 @@
 //! `steer`: one press, or a force.
 
-use super::connection::{ANSWER_TIMEOUT, Connection};
+use super::connection::{ANSWER_TIMEOUT, Asked};
 use protocol::command::{Command, Direction, DirectionName, SteerMode};
 
 /// Push a player's ball
@@ -23,14 +23,14 @@ pub struct Steer {
     #[arg(long)]
     force: bool,
     #[command(flatten)]
-    connection: Connection,
+    asked: Asked,
 }
 
 impl Steer {
     pub fn run(self) -> anyhow::Result<()> {
         let mode = if self.force { SteerMode::Force } else { SteerMode::Impulse };
         let command = Command::Steer { ball: self.ball, direction: self.direction, mode };
-        self.connection.command(&command, ANSWER_TIMEOUT)
+        self.asked.command(&command, ANSWER_TIMEOUT)
     }
 }
 

@@ -4,6 +4,7 @@
 use super::Latest;
 use protocol::codec;
 use protocol::command::Reply;
+use protocol::listing::Selection;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use zenoh::Wait;
@@ -22,6 +23,12 @@ pub enum Answer {
         /// Rather than binary.
         as_json: bool,
     },
+    /// Some or all balls as they are when the answer is made.
+    Balls(Selection),
+    /// What is supported.
+    Features,
+    /// The scenes that come with the program.
+    Scenes,
     /// The scene as served.
     Scene,
     /// The newest statistics.
@@ -63,7 +70,10 @@ fn send(latest: &Latest, query: &Query, answer: Answer) {
         Answer::World { as_json: false } => {
             (codec::encode_world(&latest.world()), Encoding::APPLICATION_CBOR)
         }
-        Answer::Scene => json(&*latest.scene),
+        Answer::Balls(selection) => json(&selection.of(&latest.world())),
+        Answer::Features => json(&crate::features::features()),
+        Answer::Scenes => json(&crate::features::scenes()),
+        Answer::Scene => json(&*latest.stage().scene),
         Answer::Stats => json(&latest.stats()),
         Answer::Info => json(&latest.info),
         Answer::Fault(why) => {

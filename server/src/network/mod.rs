@@ -17,14 +17,14 @@ mod session;
 use crate::arena::ArenaOptions;
 use crate::handover::Handover;
 use crate::inbox::Inbox;
-use crate::simulation::Simulation;
+use crate::simulation::{Simulation, Stage};
+use crate::workshop::{Bench, Workshop};
 use protocol::info::Info;
 use protocol::keys::{Keys, Name, Role};
-use protocol::scene::Scene;
-use protocol::snapshot::{Roster, Snapshot, World};
+use protocol::snapshot::{Snapshot, World};
 use protocol::stats::Stats;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use zenoh::Wait;
 
@@ -62,21 +62,30 @@ pub enum NetworkError {
 
 /// What questions are answered from. The tick thread never touches it.
 pub(crate) struct Latest {
-    scene: Arc<Scene>,
-    roster: Arc<Roster>,
     info: Info,
-    state: Mutex<Snapshot>,
+    present: Mutex<Present>,
     stats: Mutex<Stats>,
 }
 
 impl Latest {
     fn world(&self) -> World {
+        let present = self.present();
+        let (stage, snapshot) = (present.stage.clone(), present.state.clone());
+        drop(present);
         World {
-            scene: (*self.scene).clone(),
-            roster: (*self.roster).clone(),
+            scene: (*stage.scene).clone(),
+            roster: (*stage.roster).clone(),
             tick_rate_hz: self.info.tick_rate_hz,
-            snapshot: self.state.lock().unwrap_or_else(PoisonError::into_inner).clone(),
+            snapshot,
         }
+    }
+
+    fn stage(&self) -> Stage {
+        self.present().stage.clone()
+    }
+
+    fn present(&self) -> MutexGuard<'_, Present> {
+        self.present.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn stats(&self) -> Stats {
@@ -87,10 +96,20 @@ impl Latest {
         *self.stats.lock().unwrap_or_else(PoisonError::into_inner) = stats;
     }
 
-    /// Keeps `state` and gives back the one kept before.
-    fn replace_state(&self, state: Snapshot) -> Snapshot {
-        std::mem::replace(&mut *self.state.lock().unwrap_or_else(PoisonError::into_inner), state)
+    /// Keeps `state`, and what it belongs to if that is new; gives back the one kept before.
+    fn replace(&self, stage: Option<Stage>, state: Snapshot) -> Snapshot {
+        let mut present = self.present();
+        if let Some(stage) = stage {
+            present.stage = stage;
+        }
+        std::mem::replace(&mut present.state, state)
     }
+}
+
+/// A state and what it belongs to.
+struct Present {
+    stage: Stage,
+    state: Snapshot,
 }
 
 /// An open session with everything declared; [`Network::run`] is the publisher's thread.
@@ -116,16 +135,15 @@ impl Network {
         let mut stats = Stats { paused: options.paused, speed_factor: 1.0, ..Stats::default() };
         simulation.write_stats(&mut stats);
         let latest = Arc::new(Latest {
-            scene: simulation.loaded().scene().clone(),
-            roster: simulation.roster().clone(),
             info: Info::new(options.arena.as_str(), options.tick_rate_hz),
-            state: Mutex::new(first),
+            present: Mutex::new(Present { stage: simulation.stage(), state: first }),
             stats: Mutex::new(stats),
         });
         let keys = Keys::new(&options.arena);
         let (session, endpoints) = session::open(options)?;
+        let workshop = Workshop::start(Bench::new(simulation), inbox.clone())?;
         let (answers, answered) = answers::Answers::start(latest.clone())?;
-        let services = services::Services::declare(&session, &keys, &answers, inbox)?;
+        let services = services::Services::declare(&session, &keys, &answers, inbox, workshop)?;
         drop(answers);
         let publisher = publisher::Publisher::declare(&session, &keys, latest, handover)?;
         // Last: who sees the token finds everything else in place. The epoch is a number, so this is a name.

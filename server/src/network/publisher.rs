@@ -2,6 +2,7 @@
 
 use super::{Latest, NetworkError};
 use crate::handover::{Batch, Handover};
+use crate::simulation::{NumberedHit, Stage};
 use protocol::codec;
 use protocol::event::Events;
 use protocol::keys::Keys;
@@ -25,6 +26,8 @@ pub struct Publisher {
     latest: Arc<Latest>,
     handover: Arc<Handover>,
     batch: Batch,
+    /// Stages whose first state is still to come.
+    stages: Vec<Stage>,
     epoch: Option<u64>,
     published: u64,
     /// Length of the last frame, to take room once.
@@ -57,6 +60,7 @@ impl Publisher {
             latest,
             handover,
             batch: Batch::default(),
+            stages: Vec::new(),
             epoch: None,
             published: 0,
             frame_bytes: 0,
@@ -67,6 +71,8 @@ impl Publisher {
     pub fn run(&mut self) {
         while !self.batch.ended {
             self.handover.take(&mut self.batch, IDLE);
+            self.batch.ended_worlds.clear();
+            self.stages.append(&mut self.batch.stages);
             self.publish_state();
             // After the state: whoever is told that something is done finds it done.
             for answered in self.batch.answers.drain(..) {
@@ -86,25 +92,45 @@ impl Publisher {
             frame
         });
         let is_new_epoch = self.epoch.replace(state.epoch) != Some(state.epoch);
+        let stage = self.begin_stages(state.epoch);
         // Before anybody hears of it: who sees a new epoch asks for its world.
-        self.handover.recycle(self.latest.replace_state(state));
+        self.handover.recycle(self.latest.replace(stage, state));
         if let Some(frame) = frame {
             put(&self.state, frame);
             self.published += 1;
         }
         if is_new_epoch && is_wanted(&self.scene) {
-            put(&self.scene, codec::encode_json(&*self.latest.scene));
+            put(&self.scene, codec::encode_json(&*self.latest.stage().scene));
         }
     }
 
+    /// The last stage that has begun by `epoch`, if one has. Hits from before go out with the names they had.
+    fn begin_stages(&mut self, epoch: u64) -> Option<Stage> {
+        let mut last = None;
+        while self.stages.first().is_some_and(|stage| stage.epoch <= epoch) {
+            let stage = self.stages.remove(0);
+            let later = self.batch.hits.partition_point(|hit| hit.epoch < stage.epoch);
+            let before: Vec<_> = self.batch.hits.drain(..later).collect();
+            self.publish(&before, last.as_ref().unwrap_or(&self.latest.stage()));
+            last = Some(stage);
+        }
+        last
+    }
+
     fn publish_hits(&mut self) {
+        if !self.batch.hits.is_empty() {
+            self.publish(&self.batch.hits, &self.latest.stage());
+            self.batch.hits.clear();
+        }
+    }
+
+    fn publish(&self, hits: &[NumberedHit], stage: &Stage) {
         if is_wanted(&self.event) {
-            for hits in self.batch.hits.chunks(codec::MAX_EVENTS) {
-                let events = hits.iter().map(|hit| hit.to_event(&self.latest.roster)).collect();
+            for hits in hits.chunks(codec::MAX_EVENTS) {
+                let events = hits.iter().map(|hit| hit.to_event(&stage.roster)).collect();
                 put(&self.event, codec::encode_json(&Events { events, dropped: self.batch.hits_dropped }));
             }
         }
-        self.batch.hits.clear();
     }
 
     fn publish_stats(&mut self) {

@@ -5,12 +5,13 @@ use super::NetworkError;
 use super::answers::{Answer, Answers};
 use super::budget::{ANSWERS_PER_S, Budget, PRESSES_PER_S, Source};
 use crate::inbox::{Inbox, Refused, Request};
-use protocol::codec::{self, MAX_COMMAND_BYTES};
-use protocol::command::{Command, Reply};
+use crate::workshop::{self, Job, Ready, Workshop};
+use protocol::codec::{MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
+use protocol::command::{Refusal, code};
 use protocol::keys::Keys;
+use protocol::listing::Selection;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use zenoh::bytes::ZBytes;
 use zenoh::pubsub::Subscriber;
 use zenoh::query::{Query, Queryable};
 use zenoh::sample::SampleKind;
@@ -29,16 +30,21 @@ impl Services {
         keys: &Keys,
         answers: &Answers,
         inbox: &Arc<Inbox>,
+        workshop: Workshop,
     ) -> Result<Self, NetworkError> {
-        let gate =
-            Arc::new(Gate { inbox: inbox.clone(), budget: Mutex::default(), answers: answers.clone() });
+        let gate = Arc::new(Gate {
+            inbox: inbox.clone(),
+            budget: Mutex::default(),
+            answers: answers.clone(),
+            workshop,
+        });
         let mut queryables = vec![commands(session, &keys.srv_command(), gate.clone())?];
         let mut declare = |key: String, make: fn(&Query) -> Result<Answer, String>| {
             let gate = gate.clone();
             let declared = session.declare_queryable(key).callback(move |query| {
-                let answer = gate.spend(&Source::Questions).and_then(|()| {
+                let answer = gate.spend(&Source::Questions).map_err(|refusal| refusal.why).and_then(|()| {
                     let answer = make(&query);
-                    answer.or_else(|why| gate.refuse(why))
+                    answer.inspect_err(|_| gate.inbox.count_refused())
                 });
                 gate.give(query, answer.unwrap_or_else(Answer::Fault));
             });
@@ -48,6 +54,9 @@ impl Services {
         declare(keys.srv_scene(), |_| Ok(Answer::Scene))?;
         declare(keys.srv_stats(), |_| Ok(Answer::Stats))?;
         declare(keys.srv_info(), |_| Ok(Answer::Info))?;
+        declare(keys.srv_features(), |_| Ok(Answer::Features))?;
+        declare(keys.srv_scenes(), |_| Ok(Answer::Scenes))?;
+        declare(keys.srv_balls(), |query| Selection::parse(query.parameters().as_str()).map(Answer::Balls))?;
         let presses = presses(session, keys.clone(), gate)?;
         Ok(Self { _queryables: queryables, _presses: presses })
     }
@@ -64,18 +73,13 @@ fn world(query: &Query) -> Result<Answer, String> {
 /// Commands that are answered: when done, at which tick; when not, why not.
 fn commands(session: &Session, key: &str, gate: Arc<Gate>) -> Result<Queryable<()>, NetworkError> {
     let callback = move |query: Query| {
-        let empty = ZBytes::new();
-        match gate.check(query.payload().unwrap_or(&empty), &Source::Commands) {
-            Ok(command) => {
-                let way_back = gate.clone();
-                let answer: crate::inbox::Answer =
-                    Box::new(move |reply| way_back.give(query, Answer::Reply(reply.clone())));
-                let offered = gate.offer(Request { command, answer: Some(answer) });
-                if let Err(Refused { request: Request { answer: Some(answer), .. }, why }) = offered {
-                    answer(&refusal(why.into()));
-                }
-            }
-            Err(why) => gate.give(query, Answer::Reply(refusal(why))),
+        let text = query.payload().map(|payload| payload.to_bytes().into_owned()).unwrap_or_default();
+        let way_back = gate.clone();
+        let answer: crate::inbox::Answer =
+            Box::new(move |reply| way_back.give(query, Answer::Reply(reply.clone())));
+        if let Err((Some(answer), why)) = gate.pass(text, &Source::Commands, MAX_REQUEST_BYTES, Some(answer))
+        {
+            answer(&why.into());
         }
     };
     Ok(session.declare_queryable(key.to_owned()).callback(callback).wait()?)
@@ -85,42 +89,65 @@ fn commands(session: &Session, key: &str, gate: Arc<Gate>) -> Result<Queryable<(
 fn presses(session: &Session, keys: Keys, gate: Arc<Gate>) -> Result<Subscriber<()>, NetworkError> {
     let anyone = keys.cmd_of_anyone();
     let subscriber = session.declare_subscriber(anyone).callback(move |sample| {
-        let command = match keys.player_of(sample.key_expr().as_str()) {
+        let passed = match keys.player_of(sample.key_expr().as_str()) {
             Some(player) if sample.kind() == SampleKind::Put => {
-                gate.check(sample.payload(), &Source::Player(player))
+                let text = sample.payload().to_bytes().into_owned();
+                gate.pass(text, &Source::Player(player), MAX_COMMAND_BYTES, None)
             }
-            _ => gate.refuse("no player of this name".into()),
+            _ => Err((None, gate.refuse(code::MALFORMED, "no player of this name".into()))),
         };
-        match command {
-            Ok(command) => drop(gate.offer(Request { command, answer: None })),
-            Err(why) => tracing::debug!("{} refused: {why}", sample.key_expr()),
+        if let Err((_, why)) = passed {
+            tracing::debug!("{} refused: {why}", sample.key_expr());
         }
     });
     Ok(subscriber.wait()?)
 }
+
+/// A command that was not passed on: whom to tell, and why.
+type Unpassed = (Option<crate::inbox::Answer>, Refusal);
 
 /// What everything that comes in has to pass.
 struct Gate {
     inbox: Arc<Inbox>,
     budget: Mutex<Budget>,
     answers: Answers,
+    workshop: Workshop,
 }
 
 impl Gate {
-    fn check(&self, payload: &ZBytes, source: &Source) -> Result<Command, String> {
+    /// Passes a command on to the inbox, or to the workshop where it needs more than a look.
+    fn pass(
+        &self,
+        text: Vec<u8>,
+        source: &Source,
+        most_bytes: usize,
+        answer: Option<crate::inbox::Answer>,
+    ) -> Result<(), Unpassed> {
         // The budget first: refusing must be cheap.
-        self.spend(source)?;
-        if payload.len() > MAX_COMMAND_BYTES {
-            return self.refuse(format!("{} bytes are too many: at most {MAX_COMMAND_BYTES}", payload.len()));
+        if let Err(why) = self.spend(source) {
+            return Err((answer, why));
         }
-        codec::decode_command(&payload.to_bytes()).or_else(|e| self.refuse(e.to_string()))
+        if text.len() > most_bytes {
+            let why = format!("{} bytes are too many: at most {most_bytes}", text.len());
+            return Err((answer, self.refuse(code::TOO_LONG, why)));
+        }
+        let job = if text.len() > MAX_COMMAND_BYTES {
+            Job::Text(text)
+        } else {
+            match workshop::read(&text) {
+                Ok(command) if command.needs_preparing() => Job::Command(command),
+                Ok(command) => return self.offer(Request { command, ready: Ready::Nothing, answer }),
+                Err(why) => return Err((answer, self.refuse(why.code, why.why))),
+            }
+        };
+        self.workshop.give(job, answer).inspect_err(|_| self.inbox.count_refused())
     }
 
-    fn spend(&self, source: &Source) -> Result<(), String> {
+    fn spend(&self, source: &Source) -> Result<(), Refusal> {
         if self.budget.lock().unwrap_or_else(PoisonError::into_inner).allows(source, Instant::now()) {
             return Ok(());
         }
-        self.refuse(match source {
+        let why = match source {
             Source::Questions => {
                 format!("too many questions: all who ask together may send {ANSWERS_PER_S} a second")
             }
@@ -128,20 +155,20 @@ impl Gate {
                 format!("too many commands: all who ask together may send {ANSWERS_PER_S} a second")
             }
             Source::Player(_) => format!("too many presses: send at most {PRESSES_PER_S} a second"),
-        })
+        };
+        Err(self.refuse(code::TOO_MANY, why))
     }
 
-    fn refuse<T>(&self, why: String) -> Result<T, String> {
+    fn refuse(&self, code: u16, why: String) -> Refusal {
         self.inbox.count_refused();
-        Err(why)
+        Refusal { code, why }
     }
 
-    fn offer(&self, request: Request) -> Result<(), Refused> {
-        let offered = self.inbox.offer(request);
-        if offered.is_err() {
+    fn offer(&self, request: Request) -> Result<(), Unpassed> {
+        self.inbox.offer(request).map_err(|Refused { answer, why }| {
             self.inbox.count_refused();
-        }
-        offered
+            (answer, why)
+        })
     }
 
     fn give(&self, query: Query, answer: Answer) {
@@ -149,8 +176,4 @@ impl Gate {
             tracing::debug!("a question stays unanswered: too many answers wait to be sent");
         }
     }
-}
-
-const fn refusal(error: String) -> Reply {
-    Reply { ok: false, tick: 0, epoch: 0, error }
 }

@@ -3,6 +3,7 @@
 use super::{CommandLine, EndLine, HashLine, Line, Reader, RecordingFault};
 use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
+use crate::workshop::{Bench, Ready};
 use protocol::codec;
 use protocol::command::Command;
 use protocol::snapshot::Snapshot;
@@ -82,8 +83,10 @@ pub fn replay<R: Read>(reader: &mut Reader<R>, stop: impl Fn() -> bool) -> Resul
     };
     let loaded = SceneText::new(scene.file, scene.toml).with_balls(scene.balls).load()?;
     let head = reader.head();
+    let simulation = Simulation::new(Arc::new(loaded), head.tick_rate_hz, head.epoch)?;
     let mut run = Run {
-        simulation: Simulation::new(Arc::new(loaded), head.tick_rate_hz, head.epoch)?,
+        bench: Bench::new(&simulation),
+        simulation,
         longest_gap: head.hash_every_ticks,
         verdict: Verdict {
             ticks: 0,
@@ -121,6 +124,7 @@ pub fn replay<R: Read>(reader: &mut Reader<R>, stop: impl Fn() -> bool) -> Resul
 
 struct Run {
     simulation: Simulation,
+    bench: Bench,
     longest_gap: u64,
     verdict: Verdict,
     state: Snapshot,
@@ -151,7 +155,7 @@ impl Run {
         command.check().map_err(|fault| RecordingFault::Damaged(format!("command {order}: {fault}")))?;
         self.advance_to(*epoch, *tick)?;
         self.verdict.commands += 1;
-        let refused = obey(&mut self.simulation, command).err();
+        let refused = obey(&mut self.simulation, &mut self.bench, command).err();
         Ok(refused.map(|why| self.difference("command", "obeyed".to_owned(), format!("refused: {why}"))))
     }
 
@@ -212,14 +216,21 @@ impl Run {
     }
 }
 
-/// What a command does to the world; the clock is none of a replay's.
-fn obey(simulation: &mut Simulation, command: &Command) -> Result<(), String> {
-    match command {
-        Command::Steer { ball, direction, mode } => simulation.steer(ball.as_deref(), *direction, *mode),
-        Command::Reset {} => {
-            simulation.reset();
-            Ok(())
+/// What a command does to the world; the clock is none of a replay's. What needs making ready is made from the command
+/// alone, as the server's workshop made it.
+pub(super) fn obey(simulation: &mut Simulation, bench: &mut Bench, command: &Command) -> Result<(), String> {
+    let (ready, next) = bench.prepare(command).map_err(|refusal| refusal.to_string())?;
+    match (ready, command) {
+        (Ready::World(mut world), _) => simulation.give_way_to(&mut world),
+        (Ready::Seats(seats), _) => simulation.set_balls(&seats).map_err(|refusal| refusal.to_string())?,
+        (Ready::Nothing, Command::Steer { ball, direction, mode }) => {
+            simulation.steer(ball.as_deref(), *direction, *mode)?;
         }
-        Command::Pause {} | Command::Resume {} | Command::Step { .. } | Command::Speed { .. } => Ok(()),
+        (Ready::Nothing, Command::Reset { scope, .. }) => simulation.reset(*scope),
+        (Ready::Nothing, _) => {}
     }
+    if let Some(next) = next {
+        *bench = next;
+    }
+    Ok(())
 }

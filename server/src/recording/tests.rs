@@ -1,8 +1,10 @@
 //! Recordings of runs driven by hand, read back whole, cut and damaged.
 
+use super::replay::obey;
 use super::*;
 use crate::scene_file::SceneText;
 use crate::simulation::Simulation;
+use crate::workshop::Bench;
 use protocol::command::{Command, Direction, DirectionName, SteerMode};
 use std::io::Cursor;
 use std::sync::Arc;
@@ -21,6 +23,10 @@ fn up() -> Command {
     steer(Direction::Named(DirectionName::Up), SteerMode::Impulse)
 }
 
+fn json(text: &str) -> Command {
+    Command::from_json(text).unwrap()
+}
+
 /// What is done after which tick: presses, a force that runs out, a reset amid it, and the clock.
 fn script(tick: u64) -> Vec<Command> {
     match tick {
@@ -32,7 +38,13 @@ fn script(tick: u64) -> Vec<Command> {
             Command::Resume {},
         ],
         100 => vec![steer(Direction::Vector([-0.9, 0.1 / 3.0]), SteerMode::Force), up(), up()],
-        110 => vec![Command::Reset {}, up(), Command::Speed { factor: 2.0 }],
+        110 => vec![json(r#"{"cmd":"reset"}"#), up(), json(r#"{"cmd":"speed","factor":2}"#)],
+        120 => vec![json(r#"{"cmd":"set_balls","balls":[{"name":"player","velocity_m_per_s":[1,0,0]}]}"#)],
+        130 => vec![json(r#"{"cmd":"reset","scope":"time"}"#), up()],
+        140 => vec![json(r#"{"cmd":"reset","scope":"state"}"#)],
+        150 => vec![json(r#"{"cmd":"load_scene","name":"bowl"}"#)],
+        160 => vec![json(r#"{"cmd":"reset","seed":9}"#)],
+        170 => vec![json(r#"{"cmd":"reset"}"#)],
         _ => Vec::new(),
     }
 }
@@ -41,18 +53,13 @@ fn script(tick: u64) -> Vec<Command> {
 fn record(scene: &str, options: RecordOptions, written: impl Fn(Command) -> Command) -> Vec<u8> {
     let file = options.file.clone();
     let mut simulation = simulation(scene);
+    let mut bench = Bench::new(&simulation);
     let (recorder, mut tape) = Recorder::create(&options, &simulation).unwrap();
     let recorder = std::thread::spawn(move || recorder.run());
     for tick in 0..200 {
         for command in script(tick) {
             let at = (simulation.epoch(), simulation.tick());
-            match &command {
-                Command::Steer { ball, direction, mode } => {
-                    simulation.steer(ball.as_deref(), *direction, *mode).unwrap();
-                }
-                Command::Reset {} => simulation.reset(),
-                _ => {}
-            }
+            obey(&mut simulation, &mut bench, &command).unwrap();
             tape.obeyed(at, written(command), &simulation);
         }
         simulation.advance();
@@ -73,11 +80,11 @@ fn judge(bytes: &[u8]) -> Result<Verdict, ReplayError> {
 
 #[test]
 fn a_replay_equals_its_recording() {
-    for (scene, states_hz, hash_every_ticks, hashes) in [("original", 10, 1, 202), ("original", 0, 7, 31)] {
+    for (scene, states_hz, hash_every_ticks, hashes) in [("original", 10, 1, 206), ("original", 0, 7, 33)] {
         let directory = tempfile::tempdir().unwrap();
         let options = RecordOptions { states_hz, hash_every_ticks, ..options(&directory) };
         let verdict = judge(&record(scene, options, |command| command)).unwrap();
-        assert_eq!((verdict.ticks, verdict.commands), (200, 12));
+        assert_eq!((verdict.ticks, verdict.commands), (200, 18));
         assert_eq!((verdict.difference, verdict.ending), (None, Some(Ending::Complete)));
         assert_eq!(verdict.hashes, hashes, "hashes every {hash_every_ticks} ticks");
         assert!(verdict.states <= 33 && (states_hz == 0) == (verdict.states == 0), "{}", verdict.states);

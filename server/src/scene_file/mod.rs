@@ -49,12 +49,14 @@ pub struct SceneText {
     text: Cow<'static, str>,
     /// How many balls are wanted, when it is not what the text says.
     balls: Option<u32>,
+    /// What places the clouds instead of their own seeds.
+    seed: Option<u64>,
 }
 
 impl SceneText {
     /// A text under a name for messages.
     pub fn new(file: impl Into<String>, text: impl Into<Cow<'static, str>>) -> Self {
-        Self { file: file.into(), text: text.into(), balls: None }
+        Self { file: file.into(), text: text.into(), balls: None, seed: None }
     }
 
     /// A built-in scene by its bare name; a file when `scene` ends in `.toml` or holds a path separator.
@@ -75,12 +77,31 @@ impl SceneText {
             file.take(limit).read_to_string(&mut text).map_err(|e| fault(format!("cannot be read: {e}")))?;
             return Ok(Self::new(scene, text));
         }
+        Self::built_in(scene)
+    }
+
+    /// A scene that comes with the program.
+    pub fn built_in(scene: &str) -> Result<Self, SceneError> {
         let known = BUILT_IN.iter().find(|(name, _)| *name == scene);
         let (name, text) = known.ok_or_else(|| {
             let names = built_in_names().collect::<Vec<_>>().join(", ");
-            fault(format!("no built-in scene has this name: use one of {names}, or a file ending in .toml"))
+            SceneError {
+                file: scene.chars().take(64).collect(),
+                line_column: None,
+                field: String::new(),
+                message: format!(
+                    "no built-in scene has this name: use one of {names}, or a file ending in .toml"
+                ),
+            }
         })?;
         Ok(Self::new(format!("{name}.toml"), *text))
+    }
+
+    /// The same with its clouds placed anew: the one at place i has the seed `seed` + i.
+    #[must_use]
+    pub const fn with_seed(mut self, seed: Option<u64>) -> Self {
+        self.seed = seed;
+        self
     }
 
     /// The same with `count` balls in all, when one is given. The scene must have exactly one cloud, which makes up the
@@ -107,13 +128,23 @@ impl SceneText {
         self.balls
     }
 
+    /// Reads it; what it means is not checked.
+    pub fn parse(&self) -> Result<Scene, SceneError> {
+        parse(&self.file, &self.text)
+    }
+
     /// Reads and checks it, and places its clouds.
     pub fn load(&self) -> Result<LoadedScene, SceneError> {
-        let mut scene = parse(&self.file, &self.text)?;
+        let mut scene = self.parse()?;
         limits::check(self, &scene)?;
         if let Some(count) = self.balls {
             stretch::to_count(self, &mut scene, count)?;
             limits::check(self, &scene)?;
+        }
+        if let Some(seed) = self.seed {
+            for (place, cloud) in (0..).zip(&mut scene.clouds) {
+                cloud.seed = seed.wrapping_add(place);
+            }
         }
         let walls = walls::convert(self, &scene)?;
         let mut balls = scene.balls.iter().enumerate().map(|(i, ball)| Placed::of_ball(i, ball)).collect();

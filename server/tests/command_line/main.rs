@@ -1,7 +1,9 @@
-//! What the program promises the shell, as far as no session is needed: output, exit codes, refusals.
+//! What the program promises the shell: output, exit codes, refusals, and over a session what each verb does.
 
 mod check;
+mod control;
 mod hardcases;
+mod serving;
 mod simulate;
 mod usage;
 

@@ -13,11 +13,17 @@ fn help_names_every_subcommand_and_exit_code() {
         "pause",
         "resume",
         "step",
+        "run-until",
         "reset",
         "speed",
+        "balls",
+        "load",
+        "scenes",
+        "features",
         "watch",
         "simulate",
         "hardcases",
+        "completions",
     ];
     for command in commands {
         assert!(help.stdout.contains(&format!("\n  {command} ")), "{command} is missing:\n{}", help.stdout);
@@ -39,6 +45,10 @@ fn a_wrong_command_line_ends_with_2_and_says_what_would_do() {
         (&["simulate", "plane", "--until", "nan"], "use 0.000001 to"),
         (&["simulate", "plane", "--until", "1", "--json", "--csv"], "cannot be used with"),
         (&["watch", "--arena", "a/b"], "a-z, 0-9"),
+        (&["speed", "fast"], "use 0.01 to 100, or max"),
+        (&["reset", "--scope", "some"], "use all, time, state or spawned"),
+        (&["run-until", "soon"], "invalid float"),
+        (&["balls", "set", "red", "--center", "1,2,3"], "use 2 numbers"),
     ] {
         let output = ballroom(arguments);
         assert_eq!(output.code, 2, "{arguments:?}: {}", output.stderr);
@@ -53,4 +63,13 @@ fn a_tool_without_a_server_ends_with_3_and_says_where_it_looked() {
     assert_eq!(output.code, 3, "{}", output.stderr);
     assert!(output.stderr.contains("tcp/127.0.0.1:1 "), "{}", output.stderr);
     assert!(output.stderr.contains("start `ballroom serve`"), "{}", output.stderr);
+}
+
+#[test]
+fn completions_know_the_subcommands() {
+    for shell in ["bash", "zsh", "fish"] {
+        let output = ballroom(&["completions", shell]);
+        assert_eq!(output.code, 0, "{shell}: {}", output.stderr);
+        assert!(["run-until", "balls", "load"].iter().all(|verb| output.stdout.contains(verb)), "{shell}");
+    }
 }

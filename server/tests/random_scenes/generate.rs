@@ -236,16 +236,21 @@ pub fn bystander(seed: u64, scene: &Scene) -> Ball {
     ball
 }
 
-/// Up to six deeds of players at random beats.
+/// Up to six deeds from outside at random beats.
 fn script(random: &mut Random, balls: usize) -> Vec<Act> {
     if balls == 0 || random.chance(0.3) {
         return vec![];
     }
     let act = |random: &mut Random| {
         let limit = random.between(1.0, 8.0);
-        let deed = match random.below(3) {
+        let deed = match random.below(4) {
             0 => Deed::Push { delta: random.pair(2.0), limit },
             1 => Deed::Drive { direction: random.pair(0.7), acceleration: random.between(0.5, 8.0), limit },
+            2 => Deed::Set {
+                by_radii: random.pair(3.0),
+                velocity: random.pair(2.0),
+                spin: random.between(-5.0, 5.0),
+            },
             _ => Deed::Release,
         };
         Act { beat: random.below(BEATS as usize) as u64, ball: random.below(balls), deed }

@@ -28,6 +28,8 @@ pub struct Run {
     pub last: Vec<BallState>,
     /// How many hits there were.
     pub hits: u64,
+    /// How much of the script was refused.
+    pub refused: u64,
     /// Whether hits piled up, so that balls were held or hopped.
     pub piled: bool,
 }
@@ -39,9 +41,9 @@ pub fn hold(loaded: &LoadedScene, start: &Controller, script: &[Act]) -> Result<
     let mut hashes = vec![];
     let mut was = Sums::of(&laws, &engine);
     let first = was.energy;
-    let mut driven = false;
+    let (mut driven, mut refused) = (false, 0);
     for beat in 0..BEATS {
-        act(&mut engine, script, beat, |place| place);
+        refused += act(&mut engine, script, beat, |place| place);
         let deeds = || script.iter().filter(|act| act.beat == beat);
         driven |= deeds().any(|act| matches!(act.deed, Deed::Drive { .. }));
         // A push gives momentum of its own.
@@ -66,7 +68,7 @@ pub fn hold(loaded: &LoadedScene, start: &Controller, script: &[Act]) -> Result<
     }
     let (report, last) = (engine.report(), engine.balls().to_vec());
     let hits = report.collisions.ball_ball + report.collisions.ball_wall;
-    Ok(Run { hashes, last, hits, piled: report.fallbacks > 0 })
+    Ok(Run { hashes, last, hits, refused, piled: report.fallbacks > 0 })
 }
 
 /// What is conserved.

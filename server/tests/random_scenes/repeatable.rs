@@ -112,8 +112,9 @@ pub fn hold_beside_a_bystander(
         let all = engine.balls().iter().enumerate();
         all.filter(|(id, _)| *id != added).map(|(_, ball)| *ball).collect()
     };
+    let mut refused = 0;
     for beat in 0..BEATS {
-        act(&mut engine, script, beat, |place| place);
+        refused += act(&mut engine, script, beat, |place| place);
         advance(&mut engine, beat, 30);
         let met = engine.hits().iter().any(|hit| match hit.partner {
             HitPartner::Ball(other) => hit.ball == added || other == added,
@@ -122,6 +123,10 @@ pub fn hold_beside_a_bystander(
         if met {
             return Ok(false);
         }
+    }
+    // It stood where a ball was to be put.
+    if refused != run.refused {
+        return Ok(false);
     }
     let differs = others(&engine).iter().zip(&run.last).position(|(a, b)| bits(a) != bits(b));
     match differs {

@@ -1,7 +1,7 @@
 //! What players do in a run, and the run itself: beats of 1/30 s, which are ticks of every rate.
 
-use ballroom_physics::{BallState, Controller, Drive, Time};
-use nalgebra::Vector2;
+use ballroom_physics::{BallState, Controller, Drive, Seat, SeatFault, Time};
+use nalgebra::{Vector2, Vector3};
 use std::fmt;
 
 /// Beats a second.
@@ -18,9 +18,22 @@ pub struct Act {
 
 #[derive(Clone, Copy, Debug)]
 pub enum Deed {
-    Push { delta: [f64; 2], limit: f64 },
-    Drive { direction: [f64; 2], acceleration: f64, limit: f64 },
+    Push {
+        delta: [f64; 2],
+        limit: f64,
+    },
+    Drive {
+        direction: [f64; 2],
+        acceleration: f64,
+        limit: f64,
+    },
     Release,
+    /// Elsewhere by so many radii, at another velocity and spin, where there is room.
+    Set {
+        by_radii: [f64; 2],
+        velocity: [f64; 2],
+        spin: f64,
+    },
 }
 
 impl fmt::Display for Act {
@@ -32,13 +45,18 @@ impl fmt::Display for Act {
 impl Act {
     /// The same in a mirror across x = 0.
     pub fn mirrored(mut self) -> Self {
-        if let Deed::Push { delta: way, .. } | Deed::Drive { direction: way, .. } = &mut self.deed {
-            way[0] = -way[0];
+        match &mut self.deed {
+            Deed::Push { delta: way, .. } | Deed::Drive { direction: way, .. } => way[0] = -way[0],
+            Deed::Set { by_radii, velocity, spin } => {
+                (by_radii[0], velocity[0], *spin) = (-by_radii[0], -velocity[0], -*spin);
+            }
+            Deed::Release => {}
         }
         self
     }
 
-    fn apply(&self, engine: &mut Controller, id: usize) {
+    /// False if it was refused.
+    fn apply(&self, engine: &mut Controller, id: usize, radius: f64) -> bool {
         match self.deed {
             Deed::Push { delta, limit } => engine.push(id, Vector2::from(delta), limit),
             Deed::Drive { direction, acceleration, limit } => {
@@ -46,17 +64,34 @@ impl Act {
                 engine.drive(id, Some(Drive { direction, acceleration, speed_limit: limit }));
             }
             Deed::Release => engine.drive(id, None),
+            Deed::Set { by_radii, velocity: [vx, vy], spin } => {
+                let center = engine.balls()[id].center.xy() + Vector2::from(by_radii) * radius;
+                let Ok(spot) = engine.spot(id, center) else { return false };
+                let velocity = Some(Vector3::new(vx, vy, 0.0));
+                let seat = Seat { ball: id, spot: Some(spot), velocity, spin: Some(spin) };
+                return match engine.set_balls(&[seat]) {
+                    Err(SeatFault::Slides { .. }) => engine.set_balls(&[Seat { spin: None, ..seat }]).is_ok(),
+                    set => set.is_ok(),
+                };
+            }
         }
+        true
     }
 }
 
 /// Does what the script asks for at `beat`; `index` names the scene's list, where a permuted one has another.
-pub fn act(engine: &mut Controller, script: &[Act], beat: u64, index: impl Fn(usize) -> usize) {
+/// Returns how much of it was refused.
+pub fn act(engine: &mut Controller, script: &[Act], beat: u64, index: impl Fn(usize) -> usize) -> u64 {
+    let mut refused = 0;
     for act in script.iter().filter(|act| act.beat == beat) {
         let place = index(act.ball);
         let id = engine.scene_index().iter().position(|p| *p == place);
-        act.apply(engine, id.expect("the ball is in the scene"));
+        let id = id.expect("the ball is in the scene");
+        let ball = &engine.balls()[id];
+        let radius = (ball.center - engine.patch().jet(ball.uv.x, ball.uv.y).point).norm();
+        refused += u64::from(!act.apply(engine, id, radius));
     }
+    refused
 }
 
 /// Advances from one beat to the next by ticks of `rate_hz`.

@@ -3,7 +3,7 @@
 
 use crate::demo::keys::Wish;
 use ballroom_client::{Client, LivelinessToken};
-use protocol::command::{Command, Direction, DirectionName, SteerMode};
+use protocol::command::{Command, Direction, DirectionName, Scope, SpeedFactor, SteerMode};
 use protocol::keys::{Name, Role};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::time::{Duration, Instant};
@@ -56,14 +56,14 @@ impl Pilot {
             Wish::Push(direction) => self.steer(Direction::Vector(direction), SteerMode::Impulse),
             Wish::Hold(held) => self.hold(held),
             Wish::TogglePause => self.ask(if paused { Command::Resume {} } else { Command::Pause {} }),
-            Wish::Reset => self.ask(Command::Reset {}),
+            Wish::Reset => self.ask(Command::Reset { scope: Scope::All, seed: None }),
             Wish::Step => self.ask(Command::Step { ticks: 1 }),
             Wish::Faster | Wish::Slower => {
                 let known = self.speed.filter(|(_, at)| at.elapsed() < SPEED_MEMORY);
                 let factor =
                     neighbour(known.map_or(speed_factor, |(factor, _)| factor), wish == Wish::Faster);
                 self.speed = Some((factor, Instant::now()));
-                self.ask(Command::Speed { factor });
+                self.ask(Command::Speed { factor: SpeedFactor::Times(factor) });
             }
             Wish::Quit => {}
         }

@@ -5,7 +5,7 @@
 //! | room | what |
 //! |---|---|
 //! | [`case`], [`demand`] | a row: what is demanded, what was measured |
-//! | [`select`] | all rows, and some of them by the beginning of their ids |
+//! | [`mod@select`] | all rows, and some of them by the beginning of their ids |
 //! | [`hard`] | cases that break typical engines, one family a file |
 //! | [`closed_forms`] | motion and hits with exact answers |
 //! | [`references`] | trajectories on any floor, from another formulation in 33 and 42 digits |

@@ -267,6 +267,14 @@ fn extent(patch: &BezierPatch) -> [f64; 4] {
     })
 }
 
+/// Length of the step that a ball tries first, s.
+pub(super) const fn first_step(accuracy: Accuracy) -> f64 {
+    match accuracy {
+        Accuracy::Tolerance(_) => tolerance::STEP_FIRST,
+        Accuracy::Fixed(_, h) => h,
+    }
+}
+
 fn set_down(scene: &Scene, surface: &Surface, index: usize) -> Result<(Ball, State), SceneFault> {
     let spec = &scene.balls[index];
     let rolls = scene.motion == MotionLaw::Rolling;
@@ -282,15 +290,11 @@ fn set_down(scene: &Scene, surface: &Surface, index: usize) -> Result<(Ball, Sta
     if rolls {
         state[5] = spec.spin * spec.radius;
     }
-    let try_s = match scene.accuracy {
-        Accuracy::Tolerance(_) => tolerance::STEP_FIRST,
-        Accuracy::Fixed(_, h) => h,
-    };
     let ball = Ball {
         body,
         mass: spec.mass,
         inverse_mass: 1.0 / ((1.0 + inertia_factor) * spec.mass),
-        stepping: Stepping { try_s, steps: 0, forced: 0 },
+        stepping: Stepping { try_s: first_step(scene.accuracy), steps: 0, forced: 0 },
         drive: None,
         hits: 0,
         rest_hits: 0,

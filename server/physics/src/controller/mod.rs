@@ -7,6 +7,7 @@
 //! | what a ball will meet within its window | `predict` |
 //! | a hit | `collide` |
 //! | a push, a held force | `steer` |
+//! | balls set anew, all or none | `reseat` |
 //! | what a tick shows: states, energy | `observe` |
 //! | a run as words: saved, restored, hashed | `checkpoint`, `plain` |
 
@@ -17,7 +18,10 @@ mod load;
 mod observe;
 mod plain;
 mod predict;
+mod reseat;
 mod steer;
+
+pub use reseat::{Seat, SeatFault, Spot};
 
 use crate::detect::ball_wall::Plane;
 use crate::detect::broad_phase::BroadPhase;

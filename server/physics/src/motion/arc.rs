@@ -219,7 +219,7 @@ impl Arc {
             *row = widen(from);
         }
         self.center = step.center;
-        self.turning.begin(step.turn, tolerance::turn_left_out(accuracy));
+        self.turning.begin(step.turn, tolerance::turn_left_out(accuracy, h, self.radius));
         self.reaction = step.reaction;
         let bound: f64 =
             step.center.iter().enumerate().skip(2).map(|(k, c)| (k * (k - 1)) as f64 * c.norm()).sum();

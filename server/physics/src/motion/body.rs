@@ -134,7 +134,7 @@ impl Body {
             let mut turn = [V3::zeros(); TERMS];
             turn[1] = angular_velocity(&n, &arc.center[1], arc.state[5], self.radius);
             turn[2] = n.cross(&acceleration) * (0.5 / self.radius);
-            arc.turning.begin(turn, tolerance::turn_left_out(accuracy));
+            arc.turning.begin(turn, tolerance::turn_left_out(accuracy, tolerance::TURN_MAX, self.radius));
             // Orientation under force is a quadrature from the start of the arc; keep it short.
             if arc.acceleration_bound > 0.0 {
                 arc.length = tolerance::TURN_MAX;

@@ -8,7 +8,7 @@
 //! smallest e of the violated set is used.
 
 use super::in_turn::resolve_in_turn;
-use crate::tolerance::{CLUSTER_SATISFIED, REFLECTIONS_MAX, REFLECTIONS_STUCK};
+use crate::tolerance::{CLUSTER_SATISFIED, REFLECTIONS_MAX, REFLECTIONS_STUCK, REST_SPEED};
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -154,8 +154,9 @@ pub fn resolve_cluster(
     totals.fill(0.0);
     let fastest = members.iter().map(|m| m.velocity.norm()).fold(0.0, f64::max);
     let satisfied = CLUSTER_SATISFIED * fastest;
-    let elastic =
-        contacts.iter().map(|c| c.closing(members)).filter(|x| *x > satisfied).all(|x| restitution(x) == 1.0);
+    // What closes slowly gains and loses nothing worth the name.
+    let counts = |closing: &f64| *closing > satisfied.max(REST_SPEED);
+    let elastic = contacts.iter().map(|c| c.closing(members)).filter(counts).all(|x| restitution(x) == 1.0);
     if elastic && resolve_in_turn(members, contacts, satisfied, totals, scratch) {
         return true;
     }
@@ -163,17 +164,25 @@ pub fn resolve_cluster(
     for round in 0..=REFLECTIONS_MAX {
         let mut fastest_closing = 0.0_f64;
         scratch.violated.clear();
-        let mut e = 1.0_f64;
+        let (mut e, mut dead) = (1.0_f64, false);
         for (i, contact) in contacts.iter().enumerate() {
             let closing = contact.closing(members);
             if closing > satisfied && contact.compliance(members) > 0.0 {
-                scratch.violated.push(i);
                 fastest_closing = fastest_closing.max(closing);
-                e = e.min(restitution(closing));
+                let rebound = restitution(closing);
+                if rebound > 0.0 {
+                    scratch.violated.push(i);
+                    e = e.min(rebound);
+                }
+                dead |= rebound <= 0.0;
             }
         }
         if scratch.violated.is_empty() {
-            return true;
+            if !dead {
+                return true;
+            }
+            // Contacts without rebound wait until no other closes: one that closes by rounding must not take theirs.
+            e = 0.0;
         }
         if fastest_closing < best {
             (best, since_best) = (fastest_closing, 0);

@@ -6,4 +6,5 @@ mod checkpoints;
 mod known_faults;
 mod repeatable;
 mod scenes;
+mod set_balls;
 mod tight_floors;

@@ -1,0 +1,284 @@
+"""A session with the server of one arena."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, TypeAlias, TypedDict
+
+import numpy as np
+import zenoh
+from numpy.typing import NDArray
+
+from ballroom import frames
+from ballroom.errors import (
+    BallroomError,
+    FrameError,
+    NoAnswerError,
+    NoServerError,
+    OutOfStepError,
+    RefusedError,
+)
+from ballroom.feeds import Hits, States
+from ballroom.frames import Ball, Reply, State, World
+
+DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
+"""Where `ballroom serve` listens first."""
+
+Direction: TypeAlias = Literal["up", "down", "left", "right", "stop"] | Sequence[float]
+"""A name (up is +y), or x and y of length at most 1."""
+
+Scope: TypeAlias = Literal["all", "time", "state", "spawned"]
+"""What a reset takes back."""
+
+
+class BallSetting(TypedDict, total=False):
+    """A ball as it shall be; what is not given stays."""
+
+    center_m: Sequence[float] | NDArray[np.float64]
+    """x and y."""
+    velocity_m_per_s: Sequence[float] | NDArray[np.float64]
+    """Projected to the tangent plane."""
+    spin_rad_per_s: float
+    """About the floor's normal."""
+
+
+_LOOK_AGAIN_S = 0.05
+_AS_LONG_AS_IT_LIVES_S = 1e6
+_TOO_MANY = 101
+
+
+class Server:
+    """A running arena. Every method waits for the server's answer and raises a `BallroomError` when there is none."""
+
+    endpoint: str
+    arena: str
+    timeout_s: float
+
+    def __init__(self, endpoint: str | None, arena: str, timeout_s: float) -> None:
+        self.endpoint = endpoint or DEFAULT_ENDPOINT
+        self.arena = arena
+        self.timeout_s = timeout_s
+        self._prefix = f"ballroom/v1/{arena}"
+        deadline = time.monotonic() + timeout_s
+        self._session = self._open(deadline)
+        try:
+            self._greet(deadline)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Ends the session; the server goes on."""
+        if not self._session.is_closed():
+            self._session.close()
+
+    def __enter__(self) -> Server:
+        """Itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Closes."""
+        self.close()
+
+    def state(self) -> State:
+        """The newest state, in full precision."""
+        return self.world().state
+
+    def states(self, timeout_s: float | None = None) -> States:
+        """The present state and then the newest, for ever, or until none came for `timeout_s`."""
+        return States(self._session, f"{self._prefix}/state", timeout_s, self.world)
+
+    def events(self, timeout_s: float | None = None) -> Hits:
+        """Hits from now on, for ever, or until none came for `timeout_s`."""
+        return Hits(self._session, f"{self._prefix}/event", timeout_s)
+
+    def world(self) -> World:
+        """Scene, rate and newest state in one answer."""
+        return frames.world(self._ask("snapshot"))
+
+    def scene(self) -> dict[str, Any]:
+        """The scene as served, shaped as in its file."""
+        return self._ask_json("scene")
+
+    def stats(self) -> dict[str, Any]:
+        """What the server says of itself: rates, hits, energy, commands, what was dropped."""
+        return self._ask_json("stats")
+
+    def info(self) -> dict[str, Any]:
+        """Frames, units, versions."""
+        return self._ask_json("info")
+
+    def balls(
+        self, *names: str, player: bool | None = None, within_m: tuple[float, float, float, float] | None = None
+    ) -> dict[str, Ball]:
+        """Some balls as they are now: of these names, a player's or not, with the centre within x0, y0, x1, y1."""
+        words = [f"name={name}" for name in names]
+        words += [] if player is None else [f"player={str(player).lower()}"]
+        words += [] if within_m is None else ["within=" + ",".join(repr(float(x)) for x in within_m)]
+        answer = self._ask_json("balls", "?" + ";".join(words))
+        if answer["left_out"]:
+            raise BallroomError(f"{answer['left_out']} balls more than one answer holds: ask for fewer, or for state()")
+        return {row["name"]: frames.ball(row) for row in answer["balls"]}
+
+    def scenes(self) -> dict[str, str]:
+        """The scenes that come with the server, by name, and what to look for."""
+        return {scene["name"]: scene["description"] for scene in self._ask_json("scenes")["scenes"]}
+
+    def features(self) -> dict[str, Any]:
+        """What the server understands, with limits."""
+        return self._ask_json("features")
+
+    def pause(self) -> Reply:
+        """Stops the clock."""
+        return self._command("pause")
+
+    def resume(self) -> Reply:
+        """Lets the clock run."""
+        return self._command("resume")
+
+    def step(self, ticks: int = 1) -> State:
+        """Advances a paused arena and gives the state of exactly that tick."""
+        return self._state_at(self._command("step", ticks=ticks, timeout_s=_AS_LONG_AS_IT_LIVES_S))
+
+    def run_until(self, time_s: float) -> State:
+        """Advances a paused arena to the first tick at or after a simulated time, and gives its state."""
+        return self._state_at(self._command("run_until", time_s=time_s, timeout_s=_AS_LONG_AS_IT_LIVES_S))
+
+    def reset(self, seed: int | None = None, scope: Scope = "all") -> Reply:
+        """Back to the scene's first state, as a new epoch; a clock that stands goes on standing.
+
+        A seed places the scene's clouds of balls anew; without one they are where the scene's own seeds put them.
+        `time` takes back the clock only, `state` only the balls, `spawned` only what was not in the scene.
+        """
+        return self._command("reset", scope=scope, seed=seed, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def speed(self, factor: float | Literal["max"]) -> Reply:
+        """Simulated seconds per wall second, or `max`: no tick waits."""
+        return self._command("speed", factor=factor)
+
+    def set_balls(self, balls: Mapping[str, BallSetting]) -> Reply:
+        """Puts balls elsewhere by name, or gives them another velocity or spin: all of them, or none."""
+        rows = [{"name": name} | {key: _plain(value) for key, value in ball.items()} for name, ball in balls.items()]
+        return self._command("set_balls", balls=rows, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def load_scene(self, name: str | None = None, *, toml: str | None = None) -> Reply:
+        """Goes on with another scene as a new epoch: one of `scenes()` by name, or the text of a scene file."""
+        return self._command("load_scene", name=name, toml=toml, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def steer(self, ball: str | None, direction: Direction, mode: Literal["impulse", "force"] = "impulse") -> Reply:
+        """Pushes a player's ball once, or until told otherwise, half a simulated second at most.
+
+        `None` is the scene's first player.
+        """
+        where = direction if isinstance(direction, str) else [float(x) for x in direction]
+        return self._command("steer", ball=ball, direction=where, mode=mode)
+
+    def _open(self, deadline: float) -> zenoh.Session:
+        config = zenoh.Config()
+        config.insert_json5("mode", '"client"')
+        config.insert_json5("scouting/multicast/enabled", "false")
+        config.insert_json5("connect/endpoints", json.dumps([self.endpoint]))
+        while True:
+            try:
+                return zenoh.open(config)
+            except zenoh.ZError as why:
+                if time.monotonic() + _LOOK_AGAIN_S > deadline:
+                    raise NoServerError(
+                        f"nobody listens at {self.endpoint} (waited {self.timeout_s:g} s): "
+                        "start `ballroom serve`, or name its endpoint"
+                    ) from why
+            time.sleep(_LOOK_AGAIN_S)
+
+    def _greet(self, deadline: float) -> None:
+        """Waits until the arena answers, for what it has declared may arrive after the session opened."""
+        while True:
+            try:
+                info = self.info()
+                break
+            except NoServerError:
+                if time.monotonic() + _LOOK_AGAIN_S > deadline:
+                    raise NoServerError(self._who_is_there()) from None
+            time.sleep(_LOOK_AGAIN_S)
+        if info["frame_version"] != frames.FRAME_VERSION:
+            raise FrameError(
+                f"the server writes frames of version {info['frame_version']}, "
+                f"this package reads {frames.FRAME_VERSION}: use one release"
+            )
+
+    def _who_is_there(self) -> str:
+        replies = self._session.get("ballroom/v1/*/srv/info", timeout=self.timeout_s)
+        found = sorted(json.loads(reply.ok.payload.to_bytes())["arena"] for reply in replies if reply.ok)
+        there = f"but {', '.join(found)}" if found else "nor any other: is it `ballroom serve`?"
+        return f"no arena {self.arena} at {self.endpoint}, {there}"
+
+    def _ask(self, question: str, payload: bytes | None = None, timeout_s: float | None = None) -> bytes:
+        """The answer to a question, slowing down when the server says that there are too many."""
+        deadline = time.monotonic() + self.timeout_s
+        while True:
+            try:
+                return self._ask_once(question, payload, timeout_s or self.timeout_s)
+            except RefusedError as refused:
+                self._slow_down(refused, deadline)
+
+    def _ask_once(self, question: str, payload: bytes | None, timeout_s: float) -> bytes:
+        try:
+            replies = self._session.get(f"{self._prefix}/srv/{question}", payload=payload, timeout=timeout_s)
+        except zenoh.ZError as why:
+            raise BallroomError(f"srv/{question} cannot be asked: {why}") from why
+        for reply in replies:
+            if reply.ok is not None:
+                answer: bytes = reply.ok.payload.to_bytes()
+                return answer
+            why_not = reply.err.payload.to_string() if reply.err is not None else "no reason given"
+            if why_not == "Timeout":
+                raise NoAnswerError(f"{self.endpoint} did not answer srv/{question} within {timeout_s:g} s")
+            raise RefusedError(f"srv/{question}", why_not)
+        raise NoServerError(
+            f"srv/{question} stays unanswered: the server at {self.endpoint} went away, or has more to answer "
+            "than it can hold; whether it was obeyed is unknown"
+        )
+
+    def _ask_json(self, question: str, words: str = "") -> dict[str, Any]:
+        answer = json.loads(self._ask(question + words))
+        if not isinstance(answer, dict):
+            raise FrameError(f"srv/{question} answered no JSON object")
+        return answer
+
+    def _command(self, verb: str, timeout_s: float | None = None, **fields: object) -> Reply:
+        given = {name: value for name, value in fields.items() if value is not None}
+        line = json.dumps({"cmd": verb, **given}).encode()
+        deadline = time.monotonic() + self.timeout_s
+        while True:
+            reply = json.loads(self._ask("command", line, timeout_s))
+            if reply["ok"]:
+                return Reply(tick=reply["tick"], epoch=reply["epoch"])
+            self._slow_down(RefusedError(verb, reply["error"], reply.get("code")), deadline)
+
+    @staticmethod
+    def _slow_down(refused: RefusedError, deadline: float) -> None:
+        """Sleeps when it was only too fast, for then nothing was done; raises any other refusal."""
+        too_fast = refused.code == _TOO_MANY or refused.reason.startswith("too many questions")
+        if not too_fast or time.monotonic() > deadline:
+            raise refused
+        time.sleep(_LOOK_AGAIN_S)
+
+    def _state_at(self, reply: Reply) -> State:
+        state = self.state()
+        if (state.epoch, state.tick) != (reply.epoch, reply.tick):
+            raise OutOfStepError(
+                f"done at tick {reply.tick} of epoch {reply.epoch}, but now it is tick {state.tick} of "
+                f"epoch {state.epoch}: somebody else moves the clock of arena {self.arena}"
+            )
+        return state
+
+
+def connect(endpoint: str | None = None, arena: str = "main", timeout_s: float = 5.0) -> Server:
+    """A session with a running server, waiting at most `timeout_s` for it, and as long for each answer."""
+    return Server(endpoint, arena, timeout_s)
+
+
+def _plain(value: object) -> object:
+    """Numbers as JSON takes them."""
+    return np.asarray(value, np.float64).tolist()

@@ -1,0 +1,98 @@
+//! `load`, `scenes` and `features`: another scene, and what there is to choose from.
+
+use super::connection::{ANSWER_TIMEOUT, Asked, Connection, LONG_TIMEOUT};
+use anyhow::Context;
+use ballroom_client::Abort;
+use protocol::codec::MAX_REQUEST_BYTES;
+use protocol::command::Command;
+use std::io::{Read, Write};
+use std::path::Path;
+
+/// Go on with another scene
+#[derive(clap::Args)]
+#[command(after_help = "\
+A file is read here and sent to the server, which refuses it with line and field if it cannot be run; the present scene
+then goes on.
+
+Examples:
+  ballroom load bowl
+  ballroom load my_scene.toml")]
+pub struct Load {
+    /// Name of a built-in scene, or a file ending in .toml
+    scene: String,
+    #[command(flatten)]
+    asked: Asked,
+}
+
+/// List the scenes that come with the server
+#[derive(clap::Args)]
+pub struct Scenes {
+    /// The answer as a line of JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    connection: Connection,
+}
+
+/// List what the server understands, with limits
+#[derive(clap::Args)]
+pub struct Features {
+    /// The answer as a line of JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    connection: Connection,
+}
+
+impl Load {
+    pub fn run(self) -> anyhow::Result<()> {
+        let path = Path::new(&self.scene);
+        let is_file =
+            path.extension().is_some_and(|end| end == "toml") || self.scene.contains(std::path::is_separator);
+        let command = if is_file {
+            let mut toml = String::new();
+            let file =
+                std::fs::File::open(path).with_context(|| format!("{} cannot be opened", self.scene))?;
+            // The server reads no more; one byte beyond shows that there is more.
+            let read = file.take(MAX_REQUEST_BYTES as u64 + 1).read_to_string(&mut toml);
+            read.with_context(|| format!("{} cannot be read", self.scene))?;
+            Command::LoadScene { name: None, toml: Some(toml) }
+        } else {
+            Command::LoadScene { name: Some(self.scene), toml: None }
+        };
+        self.asked.command(&command, LONG_TIMEOUT)
+    }
+}
+
+impl Scenes {
+    pub fn run(self) -> anyhow::Result<()> {
+        let scenes = self.connection.open(Abort::default(), ANSWER_TIMEOUT)?.scenes()?;
+        let mut out = std::io::stdout().lock();
+        if self.json {
+            writeln!(out, "{}", serde_json::to_string(&scenes)?)?;
+            return Ok(());
+        }
+        for scene in scenes.scenes {
+            writeln!(out, "{:24} {}", scene.name, scene.description)?;
+        }
+        Ok(())
+    }
+}
+
+impl Features {
+    pub fn run(self) -> anyhow::Result<()> {
+        let features = self.connection.open(Abort::default(), ANSWER_TIMEOUT)?.features()?;
+        let mut out = std::io::stdout().lock();
+        if self.json {
+            writeln!(out, "{}", serde_json::to_string(&features)?)?;
+            return Ok(());
+        }
+        for (kind, entries) in [("command", features.commands), ("question", features.questions)] {
+            for (name, limits) in entries {
+                let limits: Vec<_> = limits.iter().map(|(name, limit)| format!("{name} {limit}")).collect();
+                writeln!(out, "{kind:8} {name:12} {}", limits.join(", "))?;
+            }
+        }
+        Ok(())
+    }
+}

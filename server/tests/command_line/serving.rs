@@ -1,0 +1,65 @@
+//! `ballroom serve` as a process, for tools to talk to.
+
+use super::{Output, PATIENCE, ballroom};
+use ballroom_client::{Client, ClientOptions, Patience};
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
+
+/// A server that ends with its test.
+pub struct Serving {
+    process: Child,
+    endpoint: String,
+}
+
+impl Serving {
+    /// Serves on a free port.
+    pub fn start(arguments: &[&str]) -> Self {
+        let mut process = Command::new(env!("CARGO_BIN_EXE_ballroom"))
+            .args(["serve", "-l", "tcp/127.0.0.1:0"])
+            .args(arguments)
+            .env_remove("RUST_LOG")
+            .env_remove("ZENOH_CONFIG")
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut endpoint = String::new();
+        BufReader::new(process.stdout.take().unwrap()).read_line(&mut endpoint).unwrap();
+        assert!(endpoint.starts_with("tcp/"), "{endpoint:?}");
+        Self { process, endpoint: endpoint.trim_end().to_owned() }
+    }
+
+    /// Runs a subcommand against it.
+    pub fn tool(&self, arguments: &[&str]) -> Output {
+        ballroom(&[arguments, &["-e", &self.endpoint]].concat())
+    }
+
+    /// What a subcommand with `--json` answers; its exit code must be the one given.
+    pub fn json(&self, code: i32, arguments: &[&str]) -> Value {
+        let output = self.tool(&[arguments, &["--json"]].concat());
+        assert_eq!(output.code, code, "{arguments:?}: {}{}", output.stdout, output.stderr);
+        serde_json::from_str(&output.stdout)
+            .unwrap_or_else(|e| panic!("{arguments:?}: {e}: {}", output.stdout))
+    }
+
+    /// A session with it.
+    pub fn client(&self) -> Client {
+        Client::open(ClientOptions {
+            endpoints: vec![self.endpoint.clone()],
+            patience: Patience::GiveUpAfter(PATIENCE),
+            timeout: PATIENCE,
+            ..ClientOptions::default()
+        })
+        .unwrap()
+    }
+}
+
+impl Drop for Serving {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
