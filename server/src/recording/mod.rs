@@ -5,7 +5,8 @@
 //!
 //! The scene as text with the number of balls asked for (its clouds carry their seeds), the tick rate, and the commands
 //! by tick in their order. Everything else follows: a held force ends by the count of ticks, a reset returns to the
-//! scene and begins the next epoch. Wall time, pauses, the speed of the clock and who asked are no part of it; commands
+//! scene and begins the next epoch; the seed of a reset, other places of balls and another scene as text stand in their
+//! commands. A scene loaded by name is the one of that name in the program that replays. Wall time, pauses, the speed of the clock and who asked are no part of it; commands
 //! to the clock are recorded all the same, because they tell what happened. Refused commands leave no trace in a run,
 //! nor here.
 //!
@@ -16,7 +17,7 @@
 //!
 //! | topic | encoding | when | fields |
 //! |---|---|---|---|
-//! | `scene` | JSON | once, before all others | `file`, `toml`, `balls` |
+//! | `scene` | JSON | once (a later one stands in its command), before all others | `file`, `toml`, `balls` |
 //! | `command` | JSON | when it acted | `epoch`, `tick`, `order`, `command` |
 //! | `hash` | JSON | at tick 0 of an epoch and every `hash_every_ticks` | `epoch`, `tick`, `state_hash` |
 //! | `state` | CBOR | every `state_every_ticks` | the frame of [`protocol::codec`] |
