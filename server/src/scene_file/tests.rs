@@ -191,7 +191,7 @@ fn a_gas_of_any_number_covers_a_fifth_of_the_floor_and_rises_alike() {
         };
         let discs: f64 = balls.iter().map(|ball| std::f64::consts::PI * ball.radius * ball.radius).sum();
         assert!((discs / (east - west).powi(2) - 0.2).abs() < 1e-4);
-        assert!((terms[0].c * east * east - 0.2454).abs() < 1e-4);
+        assert!((terms[0].c * east * east - 0.06136).abs() < 1e-4);
         let mean_square = balls.iter().map(|b| b.velocity.norm_squared()).sum::<f64>() / f64::from(count);
         assert!((mean_square - 1.0).abs() < 2.0 / f64::from(count).sqrt(), "{mean_square}");
         loaded.controller().unwrap();
