@@ -15,11 +15,13 @@
 //! | [`tick_loop`] | a fixed rate, on a plain thread |
 //! | [`meter`] | how long ticks take |
 //! | [`handover`] | from the tick thread to the publisher |
+//! | [`checkpoint_file`] | a run saved, to go on with later |
 //! | [`recording`] | what a run was given and what became of it, in a file; and the run again |
 //! | `network` | the only place that names Zenoh |
 //! | [`arena`] | all of it together |
 
 pub mod arena;
+pub mod checkpoint_file;
 pub mod features;
 pub mod handover;
 pub mod inbox;

@@ -3,7 +3,7 @@
 
 use crate::places::Places;
 use crate::scene_file::{LoadedScene, SceneError};
-use ballroom_physics::{Controller, Drive, Hit, Seat, Time};
+use ballroom_physics::{Checkpoint, CheckpointFault, Controller, Drive, Hit, Seat, Time};
 use nalgebra::{Vector2, Vector3};
 use protocol::command::{Direction, Refusal, Scope, SteerMode};
 use protocol::scene::Scene;
@@ -120,6 +120,28 @@ impl Simulation {
         while Time::of_tick(self.tick + 1, self.tick_rate_hz) <= time {
             self.tick += 1;
         }
+    }
+
+    /// The engine's run as it stands; forces that are held are in it, when they end is not.
+    pub fn checkpoint(&self) -> Checkpoint {
+        self.controller.checkpoint()
+    }
+
+    /// Goes on where a run of the same scene stood. Forces that were held go on until they are let go.
+    pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), CheckpointFault> {
+        self.controller.restore(checkpoint)?;
+        self.held.clear();
+        let (time, rate) = (self.controller.time(), self.tick_rate_hz);
+        let near = (time.seconds() * f64::from(rate)) as u64;
+        // The product may be off by its rounding.
+        self.tick =
+            (near.saturating_sub(1)..=near + 1).rev().find(|t| Time::of_tick(*t, rate) <= time).unwrap_or(0);
+        Ok(())
+    }
+
+    /// Simulated time.
+    pub const fn time(&self) -> Time {
+        self.controller.time()
     }
 
     /// Steers a player's ball, or says why not.

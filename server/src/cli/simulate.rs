@@ -7,7 +7,9 @@ use super::signals::abort_on_signal;
 use ballroom_physics::Time;
 use indicatif::{ProgressBar, ProgressStyle};
 use protocol::snapshot::Snapshot;
+use server::checkpoint_file;
 use server::simulation::Simulation;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Longest advance between two looks at signals and the progress bar, simulated s. It changes no bit of the result.
@@ -19,12 +21,15 @@ const ON_TICK: f64 = 1e-9;
 #[derive(clap::Args)]
 #[command(after_help = "\
 The same scene always gives the same bits, whatever --every and --rate are; --rate only numbers the ticks. Times that
-are whole ticks are exactly the ticks of `serve` at that rate.
+are whole ticks are exactly the ticks of `serve` at that rate. A run that is saved, loaded and continued gives the bits of
+the run that never stopped.
 
 Examples:
   ballroom simulate original --until 60
   ballroom simulate thousand --until 10 --every 1 --json > states.jsonl
   ballroom simulate gas --balls 10000 --until 1
+  ballroom simulate original --until 600 --save ten_minutes.json
+  ballroom simulate original --load ten_minutes.json --until 660 --every 1 --csv
   ballroom simulate bowl --until 2.135585674238 --csv")]
 pub struct Simulate {
     /// Name of a built-in scene, or a file ending in .toml
@@ -40,6 +45,12 @@ pub struct Simulate {
     /// Ticks a simulated second, for the tick numbers
     #[arg(long, value_name = "HZ", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rate: u32,
+    /// Keep the end of the run in a new file, to go on from later
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
+    /// Go on from the end that a run of the same scene has kept; times still count from the scene's start
+    #[arg(long, value_name = "FILE")]
+    load: Option<PathBuf>,
     #[command(flatten)]
     format: Format,
 }
@@ -48,19 +59,37 @@ impl Simulate {
     pub fn run(self) -> anyhow::Result<()> {
         let loaded = Arc::new(self.count.open(&self.scene)?.load()?);
         let mut simulation = Simulation::new(loaded, self.rate, 0)?;
+        if let Some(file) = self.save.as_ref().filter(|file| file.exists()) {
+            anyhow::bail!("{} is there already: name a new file to save to", file.display());
+        }
+        if let Some(file) = &self.load {
+            checkpoint_file::load(&mut simulation, file)?;
+        }
         let abort = abort_on_signal()?;
         let bar = progress_bar();
         let mut lines = Lines::new(self.format)?;
         let mut state = Snapshot::default();
         let end = multiple(1, self.until, self.rate);
-        let mut now = Time::ZERO;
-        for sample in 0_u64.. {
-            // The first state is at 0, the last at the end; without --every there is none between.
+        let start = simulation.time();
+        if start > end {
+            anyhow::bail!(
+                "the run that was loaded stands at {} s, after --until {}",
+                start.seconds(),
+                self.until
+            );
+        }
+        let mut now = start;
+        // The first state is the present one, the last at the end; without --every there is none between.
+        let before = self.every.map_or(0, |every| (start.seconds() / every) as u64);
+        for sample in before.. {
             let target = match self.every {
-                _ if sample == 0 => Time::ZERO,
+                _ if sample == before => start,
                 Some(every) => multiple(sample, every, self.rate).min(end),
                 None => end,
             };
+            if target < now {
+                continue;
+            }
             while now < target {
                 if abort.is_aborted() {
                     return Err(Interrupted.into());
@@ -76,6 +105,9 @@ impl Simulate {
             }
         }
         bar.finish_and_clear();
+        if let Some(file) = &self.save {
+            checkpoint_file::save(&simulation, file)?;
+        }
         Ok(())
     }
 }

@@ -77,9 +77,8 @@ pub struct Verdict {
 
 /// Runs a recording again, up to its end or the first difference. `stop` is asked before every message.
 pub fn replay<R: Read>(reader: &mut Reader<R>, stop: impl Fn() -> bool) -> Result<Verdict, ReplayError> {
-    let scene = match reader.next_line()? {
-        Some(Line::Scene(scene)) => scene,
-        _ => return Err(RecordingFault::Damaged("it does not begin with a scene".to_owned()).into()),
+    let Some(Line::Scene(scene)) = reader.next_line()? else {
+        return Err(RecordingFault::Damaged("it does not begin with a scene".to_owned()).into());
     };
     let loaded = SceneText::new(scene.file, scene.toml).with_balls(scene.balls).load()?;
     let head = reader.head();

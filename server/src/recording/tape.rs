@@ -38,6 +38,7 @@ pub(super) struct Shelf {
     /// Oldest first, at most [`TAPE_CAPACITY`].
     pub entries: Vec<Stamped>,
     /// Buffers to write states into.
+    #[expect(clippy::vec_box, reason = "the same boxes travel in entries, which stay small")]
     pub spare: Vec<Box<Snapshot>>,
     /// States that found no buffer.
     pub states_dropped: u64,

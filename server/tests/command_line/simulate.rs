@@ -1,6 +1,6 @@
 //! `simulate`: the run itself, in full, without a network.
 
-use super::{built_in_scenes, said};
+use super::{ballroom, built_in_scenes, said};
 use serde_json::Value;
 
 /// Numbers as the text has them.
@@ -134,5 +134,52 @@ fn every_built_in_scene_passes_its_check_and_keeps_its_energy() {
         let [before, after] = [energy(&states[0]), energy(&states[1])];
         let drift = (after - before).abs() / before.abs();
         assert!(drift < 1e-10, "{scene}: {before} J became {after} J");
+    }
+}
+
+#[test]
+fn a_run_that_is_saved_and_loaded_prints_the_lines_of_one_that_never_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    for scene in ["original", "cradle", "corner"] {
+        let file = folder.path().join(scene);
+        let file = file.to_str().unwrap();
+        let run = |more: &[&str]| said(&[&["simulate", scene, "--every", "0.3", "--json"], more].concat());
+        let straight = run(&["--until", "4"]);
+        let first = run(&["--until", "1.7", "--save", file]);
+        let second = run(&["--until", "4", "--load", file]);
+        // 0, 0.3, … 1.5, then 1.8, … 3.9, 4; the halves meet at 1.7.
+        let straight: Vec<&str> = straight.lines().collect();
+        let (first, second): (Vec<&str>, Vec<&str>) = (first.lines().collect(), second.lines().collect());
+        assert_eq!(first[..6], straight[..6], "{scene}");
+        assert_eq!(second[0], first[6], "{scene}");
+        assert_eq!(second[1..], straight[6..], "{scene}");
+    }
+}
+
+#[test]
+fn what_is_no_checkpoint_of_the_scene_is_refused_with_its_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (kept, other) = (path("kept.json"), path("other.json"));
+    said(&["simulate", "cradle", "--until", "1", "--save", &kept]);
+    let refusal = |arguments: &[&str]| {
+        let output = ballroom(&[&["simulate"], arguments].concat());
+        assert_eq!(output.status.code(), Some(1));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let why = refusal(&["plane", "--until", "2", "--load", &kept]);
+    assert!(why.contains("belongs to another scene"), "{why}");
+    let why = refusal(&["cradle", "--until", "0.5", "--load", &kept]);
+    assert!(why.contains("stands at 1 s"), "{why}");
+    let why = refusal(&["cradle", "--until", "2", "--save", &kept]);
+    assert!(why.contains("is there already"), "{why}");
+    let text = std::fs::read_to_string(&kept).unwrap();
+    for (wrong, reason) in [
+        (text[..text.len() / 2].to_owned(), "EOF"),
+        (text.replace("\"words\":[1,", "\"words\":[9,"), "format 9"),
+    ] {
+        std::fs::write(&other, wrong).unwrap();
+        let why = refusal(&["cradle", "--until", "2", "--load", &other]);
+        assert!(why.contains(reason), "{why}");
     }
 }
