@@ -68,7 +68,7 @@ fn warn(verdict: &Verdict) {
     }
     match &verdict.ending {
         Some(Ending::Cut) => {
-            tracing::warn!("the recording is cut short: what follows holds for what is there")
+            tracing::warn!("the recording is cut short: what follows holds for what is there");
         }
         Some(Ending::Incomplete(why)) => tracing::warn!("the recording is incomplete, because {why}"),
         Some(Ending::Complete) | None => {}
