@@ -50,11 +50,10 @@ fn script(tick: u64) -> Vec<Command> {
 }
 
 /// The bytes of a recording of 200 ticks. `written` says what the file tells of a command.
-fn record(scene: &str, options: RecordOptions, written: impl Fn(Command) -> Command) -> Vec<u8> {
-    let file = options.file.clone();
+fn record(scene: &str, options: &RecordOptions, written: impl Fn(Command) -> Command) -> Vec<u8> {
     let mut simulation = simulation(scene);
     let mut bench = Bench::new(&simulation);
-    let (recorder, mut tape) = Recorder::create(&options, &simulation).unwrap();
+    let (recorder, mut tape) = Recorder::create(options, &simulation).unwrap();
     let recorder = std::thread::spawn(move || recorder.run());
     for tick in 0..200 {
         for command in script(tick) {
@@ -67,7 +66,7 @@ fn record(scene: &str, options: RecordOptions, written: impl Fn(Command) -> Comm
     }
     tape.end(&simulation);
     recorder.join().unwrap();
-    std::fs::read(file).unwrap()
+    std::fs::read(&options.file).unwrap()
 }
 
 fn options(directory: &TempDir) -> RecordOptions {
@@ -82,8 +81,8 @@ fn judge(bytes: &[u8]) -> Result<Verdict, ReplayError> {
 fn a_replay_equals_its_recording() {
     for (scene, states_hz, hash_every_ticks, hashes) in [("original", 10, 1, 206), ("original", 0, 7, 31)] {
         let directory = tempfile::tempdir().unwrap();
-        let options = RecordOptions { states_hz, hash_every_ticks, ..options(&directory) };
-        let verdict = judge(&record(scene, options, |command| command)).unwrap();
+        let options = RecordOptions { hash_every_ticks, states_hz, ..options(&directory) };
+        let verdict = judge(&record(scene, &options, |command| command)).unwrap();
         assert_eq!((verdict.ticks, verdict.commands), (200, 19));
         assert_eq!((verdict.difference, verdict.ending), (None, Some(Ending::Complete)));
         assert_eq!(verdict.hashes, hashes, "hashes every {hash_every_ticks} ticks");
@@ -118,7 +117,7 @@ fn a_command_that_was_tampered_with_is_found_at_the_next_hash() {
         }
         other => other,
     };
-    let bytes = record("original", options(&directory), tampered);
+    let bytes = record("original", &options(&directory), tampered);
     let first = judge(&bytes).unwrap().difference.unwrap();
     assert_eq!((first.epoch, first.tick, first.what), (7, 42, "hash"));
 }
@@ -126,7 +125,7 @@ fn a_command_that_was_tampered_with_is_found_at_the_next_hash() {
 #[test]
 fn a_file_cut_anywhere_is_read_as_far_as_it_goes() {
     let directory = tempfile::tempdir().unwrap();
-    let bytes = record("original", options(&directory), |command| command);
+    let bytes = record("original", &options(&directory), |command| command);
     let mut longest = 0;
     for length in (0..bytes.len()).step_by(97) {
         match judge(&bytes[..length]) {
@@ -146,7 +145,7 @@ fn a_file_cut_anywhere_is_read_as_far_as_it_goes() {
 #[test]
 fn a_bit_that_fell_over_anywhere_is_noticed() {
     let directory = tempfile::tempdir().unwrap();
-    let mut bytes = record("original", options(&directory), |command| command);
+    let mut bytes = record("original", &options(&directory), |command| command);
     for place in (0..bytes.len()).step_by(211) {
         let bit = 1 << (place % 8);
         bytes[place] ^= bit;
@@ -160,7 +159,7 @@ fn a_bit_that_fell_over_anywhere_is_noticed() {
 #[test]
 fn another_version_and_another_file_are_named() {
     let directory = tempfile::tempdir().unwrap();
-    let mut bytes = record("original", options(&directory), |command| command);
+    let mut bytes = record("original", &options(&directory), |command| command);
     let field = b"version\x01\0\0\0";
     let at = bytes.windows(field.len()).position(|window| window == field).unwrap() + field.len();
     bytes[at] = b'9';

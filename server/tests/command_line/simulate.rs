@@ -164,8 +164,8 @@ fn what_is_no_checkpoint_of_the_scene_is_refused_with_its_reason() {
     said(&["simulate", "cradle", "--until", "1", "--save", &kept]);
     let refusal = |arguments: &[&str]| {
         let output = ballroom(&[&["simulate"], arguments].concat());
-        assert_eq!(output.status.code(), Some(1));
-        String::from_utf8(output.stderr).unwrap()
+        assert_eq!(output.code, 1, "{}", output.stderr);
+        output.stderr
     };
     let why = refusal(&["plane", "--until", "2", "--load", &kept]);
     assert!(why.contains("belongs to another scene"), "{why}");
