@@ -79,7 +79,7 @@ pub enum Scope {
     Time,
     /// Places, velocities, spins and orientations; the clock goes on. The energy this takes counts as steering work.
     State,
-    /// What was not in the scene.
+    /// What was not in the scene; refused as long as nothing can be spawned.
     Spawned,
 }
 

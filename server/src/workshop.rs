@@ -51,6 +51,10 @@ impl Bench {
     pub fn prepare(&self, command: &Command) -> Result<(Ready, Option<Self>), Refusal> {
         match command {
             Command::SetBalls { balls } => Ok((Ready::Seats(self.places.seats(balls)?), None)),
+            Command::Reset { scope: Scope::Spawned, .. } => Err(Refusal::new(
+                code::FEATURE_UNSUPPORTED,
+                "nothing can be spawned here: reset all, time or state",
+            )),
             Command::Reset { scope, seed: Some(_) } if *scope != Scope::All => Err(Refusal::new(
                 code::FEATURE_UNSUPPORTED,
                 "a seed makes other balls: leave the scope out, or the seed",

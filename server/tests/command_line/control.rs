@@ -40,6 +40,9 @@ fn a_run_until_a_time_ends_there_and_a_reset_takes_back_what_was_asked() {
     let error = state.snapshot.energy_j - state.snapshot.steering_work_j - start.snapshot.energy_j;
     assert!(error.abs() < 1e-9 * start.snapshot.energy_j.abs(), "{error} J");
 
+    let spawned = server.json(4, &["reset", "--scope", "spawned"]);
+    assert_eq!(spawned["code"], code::FEATURE_UNSUPPORTED);
+
     // The clock: the balls stay.
     assert_eq!(server.json(0, &["step", "30"])["tick"], 180);
     let before = server.client().snapshot().unwrap();

@@ -5,9 +5,9 @@ use crate::physical::Run;
 use crate::random::Random;
 use crate::reloaded;
 use crate::script::{Act, act, advance, bits};
-use ballroom_physics::surface::bezier::BezierPatch;
-use ballroom_physics::{BallState, Controller, Floor, HitPartner, Place, Scene};
-use nalgebra::Vector3;
+use ballroom_cases::mirror::{mirrored, mirrored_state};
+use ballroom_cases::scenes::as_net;
+use ballroom_physics::{BallState, Controller, Floor, HitPartner};
 use server::LoadedScene;
 
 /// Compares a run with the first one from `from` on, beat by beat.
@@ -72,8 +72,8 @@ pub fn hold_when_permuted(seed: u64, loaded: &LoadedScene, script: &[Act], run: 
 pub fn hold_in_a_mirror(loaded: &LoadedScene, start: &Controller, script: &[Act]) -> Result<(), String> {
     let mut scene = loaded.physics().clone();
     let mut engine = start.clone();
-    if let Floor::Polynomial { x, y, terms } = &scene.floor {
-        scene.floor = Floor::Bezier(BezierPatch::from_polynomial(*x, *y, terms).ok_or("no net")?);
+    if matches!(scene.floor, Floor::Polynomial { .. }) {
+        scene = as_net(&scene);
         // What a net rounds may lie outside by an ulp.
         let Ok(net) = Controller::new(&scene) else { return Ok(()) };
         engine = net;
@@ -132,42 +132,5 @@ pub fn hold_beside_a_bystander(
     match differs {
         Some(id) => Err(format!("beside a ball that meets nobody, ball {id} differs at the end")),
         None => Ok(true),
-    }
-}
-
-fn mirrored(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
-    if let Floor::Bezier(patch) = &scene.floor {
-        let net = patch.net().iter().map(mirrored_vector).collect();
-        scene.floor = Floor::Bezier(BezierPatch::new(patch.degree(), net).expect("as large as the first"));
-    }
-    for wall in &mut scene.walls {
-        wall.point.x = -wall.point.x;
-        wall.normal.x = -wall.normal.x;
-    }
-    scene.gravity.x = -scene.gravity.x;
-    for ball in &mut scene.balls {
-        if let Place::Center(p) | Place::Contact(p) = &mut ball.place {
-            p.x = -p.x;
-        }
-        ball.velocity.x = -ball.velocity.x;
-        ball.spin = -ball.spin;
-    }
-    scene
-}
-
-fn mirrored_vector(v: &Vector3<f64>) -> Vector3<f64> {
-    Vector3::new(-v.x, v.y, v.z)
-}
-
-fn mirrored_state(ball: &BallState) -> BallState {
-    let [x, y, z, w] = ball.orientation;
-    BallState {
-        uv: ball.uv,
-        center: mirrored_vector(&ball.center),
-        normal: mirrored_vector(&ball.normal),
-        velocity: mirrored_vector(&ball.velocity),
-        omega: -mirrored_vector(&ball.omega),
-        orientation: [x, -y, -z, w],
     }
 }

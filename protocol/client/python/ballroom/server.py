@@ -150,7 +150,8 @@ class Server:
         """Back to the scene's first state, as a new epoch; a clock that stands goes on standing.
 
         A seed places the scene's clouds of balls anew; without one they are where the scene's own seeds put them.
-        `time` takes back the clock only, `state` only the balls, `spawned` only what was not in the scene.
+        `time` takes back the clock only, `state` only the balls, `spawned` is refused as long
+        as nothing can be spawned.
         """
         return self._command("reset", scope=scope, seed=seed, timeout_s=_AS_LONG_AS_IT_LIVES_S)
 
