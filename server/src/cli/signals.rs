@@ -1,38 +1,60 @@
 //! Ctrl-C and SIGTERM: the first asks for an orderly end, the second is at once.
 
+use anyhow::Context;
 use ballroom_client::Abort;
 
-/// A switch that the first signal throws.
+/// A switch that the first signal throws. Signals are caught from the moment this returns.
 pub fn abort_on_signal() -> anyhow::Result<Abort> {
     let abort = Abort::default();
     let switch = abort.clone();
-    // A thread of its own: everything else here blocks.
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let mut signals = {
+        let _registers_with = runtime.enter();
+        Signals::catch().context("signals cannot be caught")?
+    };
+    // A thread of its own: everything else here blocks.
     std::thread::Builder::new().name("signals".into()).spawn(move || {
-        let listened = runtime.block_on(async {
-            next_signal().await?;
+        runtime.block_on(async {
+            signals.next().await;
             switch.abort();
-            next_signal().await
+            signals.next().await;
         });
-        match listened {
-            Ok(()) => std::process::exit(130),
-            Err(e) => tracing::error!("signals are not heard: {e}"),
-        }
+        std::process::exit(130)
     })?;
     Ok(abort)
 }
 
 #[cfg(unix)]
-async fn next_signal() -> std::io::Result<()> {
-    use tokio::signal::unix::{SignalKind, signal};
-    let mut terminate = signal(SignalKind::terminate())?;
-    tokio::select! {
-        interrupted = tokio::signal::ctrl_c() => interrupted,
-        _ = terminate.recv() => Ok(()),
+struct Signals {
+    interrupt: tokio::signal::unix::Signal,
+    terminate: tokio::signal::unix::Signal,
+}
+
+#[cfg(unix)]
+impl Signals {
+    fn catch() -> std::io::Result<Self> {
+        use tokio::signal::unix::{SignalKind, signal};
+        Ok(Self { interrupt: signal(SignalKind::interrupt())?, terminate: signal(SignalKind::terminate())? })
+    }
+
+    async fn next(&mut self) {
+        tokio::select! {
+            _ = self.interrupt.recv() => {}
+            _ = self.terminate.recv() => {}
+        }
     }
 }
 
-#[cfg(not(unix))]
-async fn next_signal() -> std::io::Result<()> {
-    tokio::signal::ctrl_c().await
+#[cfg(windows)]
+struct Signals(tokio::signal::windows::CtrlC);
+
+#[cfg(windows)]
+impl Signals {
+    fn catch() -> std::io::Result<Self> {
+        tokio::signal::windows::ctrl_c().map(Self)
+    }
+
+    async fn next(&mut self) {
+        self.0.recv().await;
+    }
 }
