@@ -72,7 +72,7 @@ impl Simulation {
         match scope {
             Scope::All => self.controller.clone_from(self.places.start()),
             Scope::Time => self.controller = self.controller.at_time_zero(self.places.start()),
-            Scope::State => self.controller.set_as_in(self.places.start()),
+            Scope::State => self.controller.set_as_in(self.places.start()).expect("room"),
             Scope::Spawned => {}
         }
         if scope != Scope::Spawned {
