@@ -32,6 +32,7 @@
 
 use crate::command::{Command, CommandFault};
 use crate::event::Events;
+use crate::scene::MAX_TAGS;
 use crate::snapshot::{Collisions, Snapshot, World};
 use ciborium::tag::Captured;
 use serde::de::DeserializeOwned;
@@ -64,7 +65,8 @@ const TAG_F64_LE: u64 = 86;
 
 // Every array of a largest frame, the fixed fields and the keys fit.
 const _: () = assert!(MAX_BALLS * 80 + 4096 <= MAX_STATE_BYTES);
-const _: () = assert!(MAX_BALLS * (120 + 2 * MAX_BALL_NAME_BYTES + 200) <= MAX_WORLD_BYTES);
+const _: () =
+    assert!(MAX_BALLS * (120 + 2 * MAX_BALL_NAME_BYTES + 200 + 9 * (MAX_TAGS + 1)) <= MAX_WORLD_BYTES);
 
 /// Why bytes were refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -190,6 +192,10 @@ fn check_world(world: &World) -> Result<(), CodecError> {
     }
     if r.names.iter().any(|name| name.len() > MAX_BALL_NAME_BYTES) {
         return Err(CodecError::Array { field: "roster.names", what: "holds a name of more than 64 bytes" });
+    }
+    let places = r.tags.values().flatten().chain(&r.spawned);
+    if places.copied().any(|place| place >= n) {
+        return Err(CodecError::Array { field: "roster.tags", what: "names a ball that is not there" });
     }
     if !r.radius_m.iter().chain(&r.mass_kg).all(|x| x.is_finite()) {
         return Err(CodecError::NotFinite("roster"));

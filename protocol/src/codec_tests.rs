@@ -62,6 +62,8 @@ fn world_of(snapshot: Snapshot) -> World {
             mass_kg: vec![1.0; n],
             color_rgb: vec![[1, 2, 3]; n],
             player: vec![false; n],
+            tags: [("even".to_owned(), (0..n).step_by(2).collect())].into(),
+            spawned: (0..n).skip(1).collect(),
         },
         tick_rate_hz: 60,
         snapshot,

@@ -8,7 +8,9 @@
 //! |---|---|
 //! | [`scene_file`] | from the text people write to what the engine takes |
 //! | [`simulation`] | commands in, ticks on, states out; no clock, no I/O |
-//! | [`places`] | where the balls of a scene may be put |
+//! | [`world`] | what of a run no tick changes: scene, floor, who the balls are |
+//! | [`change`] | a world becomes another one while it runs |
+//! | [`parameters`] | numbers of a scene that may be read, and some of them set |
 //! | [`workshop`] | what takes longer than a tick has, made ready on a thread of its own |
 //! | [`features`] | what is understood, with limits |
 //! | [`inbox`] | commands as they arrive: bounded, in order |
@@ -21,18 +23,20 @@
 //! | [`arena`] | all of it together |
 
 pub mod arena;
+pub mod change;
 pub mod checkpoint_file;
 pub mod features;
 pub mod handover;
 pub mod inbox;
 pub mod meter;
 mod network;
-pub mod places;
+pub mod parameters;
 pub mod recording;
 pub mod scene_file;
 pub mod simulation;
 pub mod tick_loop;
 pub mod workshop;
+pub mod world;
 
 pub use arena::{Arena, ArenaError, ArenaHandle, ArenaOptions};
 pub use network::NetworkError;

@@ -200,6 +200,7 @@ mod tests {
             mass_kg: vec![1.0; count],
             color_rgb: (0..count).map(|i| [(i % 40) as u8 * 6, 100, 50]).collect(),
             player: (0..count).map(|i| i == 3).collect(),
+            ..Roster::default()
         }
     }
 

@@ -40,6 +40,7 @@ pub fn original() -> World {
         mass_kg: vec![5.0; 3],
         color_rgb: vec![[46, 134, 222], [38, 166, 91], [214, 48, 49]],
         player: vec![false, false, true],
+        ..Roster::default()
     };
     let mut world = World { scene, roster, tick_rate_hz: 60, snapshot: Snapshot::default() };
     world.snapshot = Ride::new(&world).state(0);

@@ -31,6 +31,8 @@ pub enum Answer {
     Scenes,
     /// The scene as served.
     Scene,
+    /// Its numbers.
+    Parameters,
     /// The newest statistics.
     Stats,
     /// Frames, units, versions.
@@ -74,6 +76,7 @@ fn send(latest: &Latest, query: &Query, answer: Answer) {
         Answer::Features => json(&crate::features::features()),
         Answer::Scenes => json(&crate::features::scenes()),
         Answer::Scene => json(&*latest.stage().scene),
+        Answer::Parameters => json(&latest.parameters()),
         Answer::Stats => json(&latest.stats()),
         Answer::Info => json(&latest.info),
         Answer::Fault(why) => {

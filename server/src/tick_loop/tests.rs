@@ -1,7 +1,7 @@
 use super::*;
 use crate::handover::Batch;
 use crate::scene_file::SceneText;
-use protocol::command::{Scope, SpeedName};
+use protocol::command::SpeedName;
 use std::sync::mpsc::{Receiver, channel};
 
 const RESET: Command = Command::Reset { scope: Scope::All, seed: None };

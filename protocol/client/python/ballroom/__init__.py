@@ -17,9 +17,9 @@ from ballroom.errors import (
     RefusedError,
 )
 from ballroom.feeds import Hits, States
-from ballroom.frames import Ball, Hit, Reply, Roster, State, World
+from ballroom.frames import Ball, Hit, Parameter, Reply, Roster, State, World
 from ballroom.launch import launch
-from ballroom.server import BallSetting, Direction, Scope, Server, connect
+from ballroom.server import BallSetting, Direction, NewBall, Rectangle, Scope, Selection, Server, connect
 
 __all__ = [
     "Ball",
@@ -30,13 +30,17 @@ __all__ = [
     "FrameError",
     "Hit",
     "Hits",
+    "NewBall",
     "NoAnswerError",
     "NoServerError",
     "OutOfStepError",
+    "Parameter",
+    "Rectangle",
     "RefusedError",
     "Reply",
     "Roster",
     "Scope",
+    "Selection",
     "Server",
     "State",
     "States",
