@@ -186,8 +186,9 @@ pub fn decode_world(bytes: &[u8]) -> Result<World, CodecError> {
 fn check_world(world: &World) -> Result<(), CodecError> {
     let n = world.snapshot.center_m.len();
     let r = &world.roster;
-    let lengths = [r.names.len(), r.radius_m.len(), r.mass_kg.len(), r.color_rgb.len(), r.player.len()];
-    if lengths.iter().any(|&length| length != n) {
+    let numbers = [&r.radius_m, &r.mass_kg, &r.inertia_factor];
+    let lengths = [r.names.len(), r.color_rgb.len(), r.player.len()];
+    if lengths.into_iter().chain(numbers.map(Vec::len)).any(|length| length != n) {
         return Err(CodecError::Array { field: "roster", what: "has not one entry a ball" });
     }
     if r.names.iter().any(|name| name.len() > MAX_BALL_NAME_BYTES) {
@@ -197,7 +198,7 @@ fn check_world(world: &World) -> Result<(), CodecError> {
     if places.copied().any(|place| place >= n) {
         return Err(CodecError::Array { field: "roster.tags", what: "names a ball that is not there" });
     }
-    if !r.radius_m.iter().chain(&r.mass_kg).all(|x| x.is_finite()) {
+    if !numbers.into_iter().flatten().all(|x| x.is_finite()) {
         return Err(CodecError::NotFinite("roster"));
     }
     // The scene is a tree of many kinds of numbers; as a plain value they are all alike.

@@ -60,6 +60,7 @@ fn world_of(snapshot: Snapshot) -> World {
             names: (0..n).map(|i| format!("ball-{i}")).collect(),
             radius_m: vec![0.1; n],
             mass_kg: vec![1.0; n],
+            inertia_factor: vec![0.4; n],
             color_rgb: vec![[1, 2, 3]; n],
             player: vec![false; n],
             tags: [("even".to_owned(), (0..n).step_by(2).collect())].into(),

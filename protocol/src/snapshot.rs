@@ -61,6 +61,8 @@ pub struct Roster {
     pub radius_m: Vec<f64>,
     /// Masses.
     pub mass_kg: Vec<f64>,
+    /// Moments of inertia over m r^2, 0 to 2/3.
+    pub inertia_factor: Vec<f64>,
     /// Red, green, blue.
     pub color_rgb: Vec<[u8; 3]>,
     /// Whether a player may steer it.

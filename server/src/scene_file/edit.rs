@@ -157,6 +157,7 @@ impl LoadedScene {
             names: places.iter().map(|&i| balls[i].name.clone()).collect(),
             radius_m: places.iter().map(|&i| balls[i].radius).collect(),
             mass_kg: places.iter().map(|&i| balls[i].mass).collect(),
+            inertia_factor: places.iter().map(|&i| balls[i].inertia_factor).collect(),
             color_rgb: places.iter().map(|i| card(i).color_rgb.unwrap_or_default()).collect(),
             player: places.iter().map(|i| card(i).player).collect(),
             tags,

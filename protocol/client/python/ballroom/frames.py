@@ -27,6 +27,8 @@ class Roster:
     names: tuple[str, ...]
     radius_m: NDArray[np.float64]
     mass_kg: NDArray[np.float64]
+    inertia_factor: NDArray[np.float64]
+    """Moments of inertia over m r^2."""
     color_rgb: NDArray[np.uint8]
     player: NDArray[np.bool_]
     tags: Mapping[str, tuple[int, ...]]
@@ -199,6 +201,7 @@ def roster(fields: Mapping[str, Any]) -> Roster:
         names=tuple(fields["names"]),
         radius_m=_constant(np.array(fields["radius_m"], np.float64)),
         mass_kg=_constant(np.array(fields["mass_kg"], np.float64)),
+        inertia_factor=_constant(np.array(fields["inertia_factor"], np.float64)),
         color_rgb=_constant(np.array(fields["color_rgb"], np.uint8).reshape(-1, 3)),
         player=_constant(np.array(fields["player"], np.bool_)),
         tags={tag: tuple(rows) for tag, rows in fields.get("tags", {}).items()},
