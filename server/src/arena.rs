@@ -1,6 +1,7 @@
 //! One world being run and served: simulation, inbox, tick loop and its place on the network.
 
 use crate::handover::Handover;
+use crate::history::{Archive, DEFAULT_HISTORY_BYTES, Settings};
 use crate::inbox::Inbox;
 use crate::network::{self, NetworkError};
 use crate::recording::{RecordOptions, Recorder, RecordingError, Tape};
@@ -37,6 +38,8 @@ pub struct ArenaOptions {
     pub settings: Vec<Setting>,
     /// What to record, if anything.
     pub record: Option<RecordOptions>,
+    /// What the history may take, bytes; 0 for none.
+    pub history_bytes: u64,
 }
 
 impl Default for ArenaOptions {
@@ -50,6 +53,7 @@ impl Default for ArenaOptions {
             config: None,
             settings: Vec::new(),
             record: None,
+            history_bytes: DEFAULT_HISTORY_BYTES,
         }
     }
 }
@@ -87,7 +91,9 @@ impl Arena {
         let inbox = Arc::new(Inbox::default());
         let handover = Arc::new(Handover::new());
         let stop = Arc::new(AtomicBool::new(false));
-        let network = network::Network::open(options, &simulation, &inbox, handover.clone())?;
+        let (archive, diary) = Archive::new(&simulation, Settings::live(options.history_bytes));
+        let network =
+            network::Network::open(options, &simulation, &inbox, handover.clone(), archive.clone())?;
         let endpoints = network.endpoints().to_vec();
         let (tape, recorder) = match &options.record {
             Some(record) => {
@@ -97,11 +103,13 @@ impl Arena {
             }
             None => (Tape::default(), None),
         };
-        let tick_loop =
-            TickLoop::new(simulation, inbox, handover, stop.clone(), options.paused).recorded_on(tape);
+        let tick_loop = TickLoop::new(simulation, inbox, handover, stop.clone(), options.paused)
+            .recorded_on(tape)
+            .remembered_in(diary);
         let threads = vec![
             std::thread::Builder::new().name("tick".into()).spawn(move || tick_loop.run())?,
             std::thread::Builder::new().name("publish".into()).spawn(move || network.run())?,
+            std::thread::Builder::new().name("history".into()).spawn(move || archive.run())?,
         ];
         Ok(ArenaHandle { endpoints, stop, threads, recorder })
     }

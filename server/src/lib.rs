@@ -15,6 +15,7 @@
 //! | [`tick_loop`] | a fixed rate, on a plain thread |
 //! | [`meter`] | how long ticks take |
 //! | [`handover`] | from the tick thread to the publisher |
+//! | [`history`] | what of a run can be gone back to |
 //! | [`checkpoint_file`] | a run saved, to go on with later |
 //! | [`recording`] | what a run was given and what became of it, in a file; and the run again |
 //! | `network` | the only place that names Zenoh |
@@ -24,6 +25,7 @@ pub mod arena;
 pub mod checkpoint_file;
 pub mod features;
 pub mod handover;
+pub mod history;
 pub mod inbox;
 pub mod meter;
 mod network;

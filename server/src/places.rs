@@ -24,6 +24,16 @@ impl Places {
         &self.start
     }
 
+    /// The same, to be kept.
+    pub(crate) fn shared_start(&self) -> Arc<Controller> {
+        self.start.clone()
+    }
+
+    /// Whether these are the very same.
+    pub(crate) fn are(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.start, &other.start) && Arc::ptr_eq(&self.roster, &other.roster)
+    }
+
     /// Who the balls are, by id.
     pub const fn roster(&self) -> &Arc<Roster> {
         &self.roster

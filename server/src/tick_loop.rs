@@ -1,6 +1,7 @@
 //! The tick loop: a fixed rate on a plain thread. It never awaits, never publishes, and never chases lost time.
 
 use crate::handover::{HITS_CAPACITY, Handover};
+use crate::history::{Archive, Diary, Settings};
 use crate::inbox::{Answer, Answered, ENDING, Inbox, Request};
 use crate::meter::Meter;
 use crate::recording::Tape;
@@ -37,6 +38,7 @@ pub struct TickLoop {
     answers: Vec<Answered>,
     hits: Vec<NumberedHit>,
     tape: Tape,
+    diary: Diary,
 }
 
 /// Steps still to be made while the clock stands.
@@ -54,6 +56,7 @@ impl TickLoop {
         stop: Arc<AtomicBool>,
         paused: bool,
     ) -> Self {
+        let (_, diary) = Archive::new(&simulation, Settings::live(0));
         Self {
             simulation,
             inbox,
@@ -70,7 +73,15 @@ impl TickLoop {
             answers: Vec::with_capacity(crate::inbox::INBOX_CAPACITY),
             hits: Vec::with_capacity(HITS_CAPACITY),
             tape: Tape::default(),
+            diary,
         }
+    }
+
+    /// The same, with what is done kept, to be gone back to.
+    #[must_use]
+    pub fn remembered_in(mut self, diary: Diary) -> Self {
+        self.diary = diary;
+        self
     }
 
     /// The same, with what is done written down.
@@ -89,6 +100,7 @@ impl TickLoop {
         self.due = Instant::now();
         while !self.stop.load(Ordering::Relaxed) {
             let touched = self.apply_commands();
+            self.diary.show(&self.simulation);
             let now = Instant::now();
             if self.stepping.is_some() {
                 self.make_steps(now + SLICE);
@@ -147,6 +159,7 @@ impl TickLoop {
     fn tick(&mut self) {
         self.simulation.advance();
         self.tape.ticked(&self.simulation, self.paused);
+        self.diary.ticked(&self.simulation);
         let epoch = self.simulation.epoch();
         let hits = self.simulation.hits();
         // The handover has no room for more, and a tick takes no memory; the numbers tell what is missing.
@@ -230,16 +243,23 @@ impl TickLoop {
                 }
                 Err(refusal) => Err(refusal),
             },
-            Command::Reset { .. } | Command::LoadScene { .. } | Command::SetBalls { .. } => {
-                self.change_world(&command, ready)
-            }
+            Command::Reset { .. }
+            | Command::LoadScene { .. }
+            | Command::SetBalls { .. }
+            | Command::Rewind(_)
+            | Command::LoadState { .. } => self.change_world(&command, ready),
+            Command::SaveState { slot } => self.save(slot, ready),
             Command::Speed { factor } => {
                 self.set_speed(*factor);
                 Ok(())
             }
         };
+        if command.needs_preparing() {
+            self.diary.used();
+        }
         if done.is_ok() {
             self.inbox.count_accepted();
+            self.diary.obeyed(at, &command, &self.simulation);
             self.tape.obeyed(at, command, &self.simulation);
         } else {
             self.inbox.count_refused();
@@ -286,13 +306,19 @@ impl TickLoop {
         } else if let Command::Reset { scope, .. } = command {
             self.simulation.reset(*scope);
         } else {
-            return Err(Refusal::new(code::OPERATION_FAILED, "nothing was made ready for this"));
+            return Err(not_ready());
         }
         if self.simulation.epoch() != epoch {
             self.sequence = 0;
             // Its first state goes out before anything else of the epoch.
             self.hand_over();
         }
+        Ok(())
+    }
+
+    fn save(&mut self, slot: &str, ready: Ready) -> Result<(), Refusal> {
+        let Ready::Page(page) = ready else { return Err(not_ready()) };
+        self.diary.save(slot, page, &self.simulation);
         Ok(())
     }
 
@@ -335,6 +361,10 @@ impl TickLoop {
         self.simulation.write_stats(&mut stats);
         self.handover.put(None, &mut self.hits, &mut self.answers, Some(stats));
     }
+}
+
+fn not_ready() -> Refusal {
+    Refusal::new(code::OPERATION_FAILED, "nothing was made ready for this")
 }
 
 struct OnDrop<F: FnMut()>(F);

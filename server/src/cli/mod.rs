@@ -14,6 +14,7 @@ mod serve;
 mod signals;
 mod simulate;
 mod steer;
+mod timeline;
 mod watch;
 mod world;
 
@@ -54,6 +55,10 @@ enum Subcommands {
     Reset(clock::Reset),
     Speed(clock::Speed),
     Balls(Box<balls::Balls>),
+    Rewind(timeline::Rewind),
+    Save(timeline::Save),
+    LoadState(timeline::LoadState),
+    Slots(timeline::Slots),
     Load(world::Load),
     Scenes(world::Scenes),
     Features(world::Features),
@@ -83,6 +88,10 @@ pub fn main() -> ExitCode {
         Subcommands::Step(step) => step.run(),
         Subcommands::RunUntil(run) => run.run(),
         Subcommands::Balls(balls) => balls.run(),
+        Subcommands::Rewind(rewind) => rewind.run(),
+        Subcommands::Save(save) => save.run(),
+        Subcommands::LoadState(load) => load.run(),
+        Subcommands::Slots(slots) => slots.run(),
         Subcommands::Load(load) => load.run(),
         Subcommands::Scenes(scenes) => scenes.run(),
         Subcommands::Features(features) => features.run(),

@@ -5,6 +5,7 @@ use super::connection::ZenohFlags;
 use super::signals::abort_on_signal;
 use anyhow::bail;
 use protocol::keys::Name;
+use server::history::DEFAULT_HISTORY_BYTES;
 use server::recording::{MAX_HASH_EVERY_TICKS, RecordOptions};
 use server::{Arena, ArenaOptions};
 use std::io::Write;
@@ -47,6 +48,10 @@ pub struct Serve {
     paused: bool,
     #[command(flatten)]
     recording: Recording,
+    /// Memory for the history that `rewind` goes back in, MiB; 0 for none
+    #[arg(long, value_name = "MIB", default_value_t = DEFAULT_HISTORY_BYTES >> 20)]
+    #[arg(value_parser = clap::value_parser!(u64).range(0..=1 << 20))]
+    history: u64,
 }
 
 /// What is written down.
@@ -84,6 +89,7 @@ impl Serve {
             config: self.zenoh.config,
             settings: self.zenoh.cfg,
             record: self.recording.options(),
+            history_bytes: self.history << 20,
         };
         let abort = abort_on_signal()?;
         let arena = Arena::start(&scene, &options)?;

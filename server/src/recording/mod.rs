@@ -49,6 +49,7 @@ mod tape;
 pub use lines::{CommandLine, EndLine, HashLine, Head, SceneLine};
 pub use reader::{Line, Reader, RecordingFault};
 pub use recorder::{Recorder, RecordingError};
+pub(crate) use replay::obey;
 pub use replay::{Difference, Ending, ReplayError, Verdict, replay};
 pub use tape::Tape;
 

@@ -1,6 +1,7 @@
 //! The run again, from the file alone and as fast as it goes, compared with what was recorded.
 
 use super::{CommandLine, EndLine, HashLine, Line, Reader, RecordingFault};
+use crate::history::{Chronicle, Settings};
 use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
 use crate::workshop::{Bench, Ready};
@@ -85,6 +86,7 @@ pub fn replay<R: Read>(reader: &mut Reader<R>, stop: impl Fn() -> bool) -> Resul
     let simulation = Simulation::new(Arc::new(loaded), head.tick_rate_hz, head.epoch)?;
     let mut run = Run {
         bench: Bench::new(&simulation),
+        chronicle: Chronicle::new(&simulation, Settings::REPLAY),
         simulation,
         longest_gap: head.hash_every_ticks,
         verdict: Verdict {
@@ -124,6 +126,7 @@ pub fn replay<R: Read>(reader: &mut Reader<R>, stop: impl Fn() -> bool) -> Resul
 struct Run {
     simulation: Simulation,
     bench: Bench,
+    chronicle: Chronicle,
     longest_gap: u64,
     verdict: Verdict,
     state: Snapshot,
@@ -154,8 +157,21 @@ impl Run {
         command.check().map_err(|fault| RecordingFault::Damaged(format!("command {order}: {fault}")))?;
         self.advance_to(*epoch, *tick)?;
         self.verdict.commands += 1;
-        let refused = obey(&mut self.simulation, &mut self.bench, command).err();
+        let refused = self.obey(command).err();
         Ok(refused.map(|why| self.difference("command", "obeyed".to_owned(), format!("refused: {why}"))))
+    }
+
+    fn obey(&mut self, command: &Command) -> Result<(), String> {
+        let Self { simulation, bench, chronicle, .. } = self;
+        if command.needs_the_past() {
+            return chronicle.obey(simulation, bench, command).map_err(|refusal| refusal.to_string());
+        }
+        let at = (simulation.epoch(), simulation.tick());
+        obey(simulation, bench, command)?;
+        if !command.is_of_the_clock() {
+            chronicle.obeyed(at, command.clone(), simulation);
+        }
+        Ok(())
     }
 
     fn hash(&mut self, what: &'static str, line: HashLine) -> Result<Option<Difference>, RecordingFault> {
@@ -204,6 +220,7 @@ impl Run {
         };
         for _ in 0..ticks {
             self.simulation.advance();
+            self.chronicle.ticked(&self.simulation);
         }
         self.verdict.ticks += ticks;
         Ok(())
@@ -217,7 +234,7 @@ impl Run {
 
 /// What a command does to the world; the clock is none of a replay's. What needs making ready is made from the command
 /// alone, as the server's workshop made it.
-pub(super) fn obey(simulation: &mut Simulation, bench: &mut Bench, command: &Command) -> Result<(), String> {
+pub(crate) fn obey(simulation: &mut Simulation, bench: &mut Bench, command: &Command) -> Result<(), String> {
     let (ready, next) = bench.prepare(command).map_err(|refusal| refusal.to_string())?;
     match (ready, command) {
         (Ready::World(mut world), _) => simulation.give_way_to(&mut world),
@@ -226,7 +243,7 @@ pub(super) fn obey(simulation: &mut Simulation, bench: &mut Bench, command: &Com
             simulation.steer(ball.as_deref(), *direction, *mode)?;
         }
         (Ready::Nothing, Command::Reset { scope, .. }) => simulation.reset(*scope),
-        (Ready::Nothing, _) => {}
+        (Ready::Nothing | Ready::Page(_), _) => {}
     }
     if let Some(next) = next {
         *bench = next;

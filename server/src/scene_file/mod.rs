@@ -104,6 +104,11 @@ impl SceneText {
         self
     }
 
+    /// Whether something else than their own seeds places its clouds.
+    pub const fn is_seeded(&self) -> bool {
+        self.seed.is_some()
+    }
+
     /// The same with `count` balls in all, when one is given. The scene must have exactly one cloud, which makes up the
     /// number; the room is stretched sideways by the root of the ratio, so that as much of the floor is covered as
     /// before, and its heights stay.

@@ -62,32 +62,15 @@ pub enum CheckpointFault {
 impl Controller {
     /// The run as it stands at the controller's time. The list of hits of the last advance is no part of it.
     pub fn checkpoint(&self) -> Checkpoint {
-        let mut words = vec![VERSION, self.scene_hash(), self.balls.len() as u64, 0];
-        self.write_run(&mut words);
-        words[HEAD - 1] = checksum(&words[HEAD..]);
-        Checkpoint { words }
+        let mut run = Vec::with_capacity(self.run_words());
+        self.write_run(&mut run);
+        self.checkpoint_of(&run)
     }
 
     /// Goes on where `checkpoint` was made, in a controller of the same scene: every bit of every later state is that of
     /// the run that never stopped.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), CheckpointFault> {
-        let words = &checkpoint.words;
-        let want = HEAD + self.run_words();
-        let length = CheckpointFault::Length { have: words.len(), want };
-        let [version, scene, balls, sum] = *words.first_chunk::<HEAD>().ok_or(length)?;
-        if version != VERSION {
-            return Err(CheckpointFault::Version(version));
-        }
-        if scene != self.scene_hash() || balls != self.balls.len() as u64 {
-            return Err(CheckpointFault::Scene);
-        }
-        if words.len() != want {
-            return Err(length);
-        }
-        if checksum(&words[HEAD..]) != sum {
-            return Err(CheckpointFault::Damaged);
-        }
-        *self = self.at_run(&words[HEAD..])?;
+        *self = self.at_run(self.run_of(checkpoint)?)?;
         Ok(())
     }
 
@@ -121,6 +104,39 @@ impl Controller {
             words = fixed + words * self.balls.len();
         }
         words
+    }
+
+    /// How many words a checkpoint has.
+    pub fn checkpoint_words(&self) -> usize {
+        HEAD + self.run_words()
+    }
+
+    /// The checkpoint that [`Self::write_run`] wrote the words of.
+    pub fn checkpoint_of(&self, run: &[u64]) -> Checkpoint {
+        let mut words = vec![VERSION, self.scene_hash(), self.balls.len() as u64, checksum(run)];
+        words.extend_from_slice(run);
+        Checkpoint { words }
+    }
+
+    /// The run's own words in a checkpoint of the same scene.
+    pub fn run_of<'a>(&self, checkpoint: &'a Checkpoint) -> Result<&'a [u64], CheckpointFault> {
+        let words = &checkpoint.words;
+        let want = self.checkpoint_words();
+        let length = CheckpointFault::Length { have: words.len(), want };
+        let [version, scene, balls, sum] = *words.first_chunk::<HEAD>().ok_or(length)?;
+        if version != VERSION {
+            return Err(CheckpointFault::Version(version));
+        }
+        if scene != self.scene_hash() || balls != self.balls.len() as u64 {
+            return Err(CheckpointFault::Scene);
+        }
+        if words.len() != want {
+            return Err(length);
+        }
+        if checksum(&words[HEAD..]) != sum {
+            return Err(CheckpointFault::Damaged);
+        }
+        Ok(&words[HEAD..])
     }
 
     /// A controller of the same scene at the run whose own words these are. Arcs are launched again, which gives their
@@ -215,6 +231,11 @@ impl Controller {
             self.broad_phase.bounds_of(ball).seeds(&mut mix);
         }
         hash.0
+    }
+
+    /// Whether both were made from the same scene, so that they may exchange runs and checkpoints.
+    pub fn shares_scene_with(&self, other: &Self) -> bool {
+        self.balls.len() == other.balls.len() && self.scene_hash() == other.scene_hash()
     }
 
     /// Hash of what a run is given and never changes: controllers that share it may exchange checkpoints.
