@@ -7,7 +7,7 @@
 use crate::codec::{MAX_BALL_NAME_BYTES, MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
 use crate::keys::Name;
 pub use crate::reply::{Refusal, Reply, code};
-use crate::timeline::{MAX_WORDS_BYTES, Rewind, SavedState};
+use crate::timeline::{Rewind, SavedState};
 use serde::{Deserialize, Serialize};
 
 /// A request. In JSON: `{"cmd":"steer","direction":"up"}`, `{"cmd":"pause"}`, `{"cmd":"step","ticks":5}`.
@@ -259,17 +259,10 @@ impl Command {
                 fault("give either the name of a scene or its toml".into())
             }
             Self::Rewind(rewind) => rewind.fault().map_or(Ok(()), fault),
-            Self::SaveState { slot } => check_slot(slot),
             Self::LoadState { slot, state } if slot.is_some() == state.is_some() => {
                 fault("give either the slot or the state to load".into())
             }
-            Self::LoadState { slot: Some(slot), .. } => check_slot(slot),
-            Self::LoadState { state: Some(state), .. } if state.words.len() > MAX_WORDS_BYTES => {
-                fault(format!(
-                    "the state has {} bytes of words, and {MAX_WORDS_BYTES} fit into a command: serve it with --resume",
-                    state.words.len()
-                ))
-            }
+            Self::SaveState { slot } | Self::LoadState { slot: Some(slot), .. } => check_slot(slot),
             Self::LoadState { state: Some(state), .. } => {
                 state.fault().map_or(Ok(()), |why| fault(format!("state: {why}")))
             }
@@ -507,7 +500,6 @@ mod tests {
             SavedState { version: 1, ..saved_state() },
             SavedState { format: "a song".into(), ..saved_state() },
             SavedState { time_s: f64::NAN, ..saved_state() },
-            SavedState { words: "A".repeat(MAX_WORDS_BYTES + 1), ..saved_state() },
         ] {
             assert!(Command::LoadState { slot: None, state: Some(Box::new(wrong)) }.check().is_err());
         }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub const MAX_SLOTS: usize = 64;
 /// Longest reach of a rewind by seconds, s.
 pub const MAX_REWIND_S: f64 = 1e9;
-/// Longest [`SavedState::words`]: as a command it has to fit.
+/// Longest [`SavedState::words`] in a command that is asked; a file and a recording may hold more.
 pub const MAX_WORDS_BYTES: usize = MAX_REQUEST_BYTES - 16_384;
 /// What a saved state says it is.
 pub const SAVED_STATE_FORMAT: &str = "ballroom checkpoint";
@@ -59,21 +59,6 @@ pub struct SlotEntry {
     pub bytes: u64,
 }
 
-impl SavedState {
-    /// What is wrong with it, if anything is; whether it fits the scene only the engine knows.
-    pub fn fault(&self) -> Option<String> {
-        if self.format != SAVED_STATE_FORMAT || self.version != SAVED_STATE_VERSION {
-            return Some(format!(
-                "it is {:?} of version {}, and {SAVED_STATE_FORMAT:?} of version {SAVED_STATE_VERSION} is read",
-                self.format.chars().take(64).collect::<String>(),
-                self.version
-            ));
-        }
-        let finite = self.time_s.is_finite() && self.energy_at_start_j.is_finite();
-        (!finite).then(|| "time_s and energy_at_start_j must be finite".to_owned())
-    }
-}
-
 /// A run at one tick, as text: what `simulate --save` writes and `srv/checkpoint` answers. It belongs to one scene, and
 /// every bit of what follows from it is that of the run it was taken from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -97,6 +82,21 @@ pub struct SavedState {
     pub held: Vec<HeldForce>,
     /// The engine's words, packed and in base64.
     pub words: String,
+}
+
+impl SavedState {
+    /// What is wrong with it, if anything is; whether it fits the scene only the engine knows.
+    pub fn fault(&self) -> Option<String> {
+        if self.format != SAVED_STATE_FORMAT || self.version != SAVED_STATE_VERSION {
+            return Some(format!(
+                "it is {:?} of version {}, and {SAVED_STATE_FORMAT:?} of version {SAVED_STATE_VERSION} is read",
+                self.format.chars().take(64).collect::<String>(),
+                self.version
+            ));
+        }
+        let finite = self.time_s.is_finite() && self.energy_at_start_j.is_finite();
+        (!finite).then(|| "time_s and energy_at_start_j must be finite".to_owned())
+    }
 }
 
 /// A force that is held on a ball.

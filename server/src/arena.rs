@@ -1,14 +1,16 @@
 //! One world being run and served: simulation, inbox, tick loop and its place on the network.
 
 use crate::handover::Handover;
-use crate::history::{Archive, DEFAULT_HISTORY_BYTES, Settings};
-use crate::inbox::Inbox;
+use crate::history::{Archive, DEFAULT_HISTORY_BYTES, Plan, Settings};
+use crate::inbox::{Inbox, Request};
 use crate::network::{self, NetworkError};
 use crate::recording::{RecordOptions, Recorder, RecordingError, Tape};
 use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
 use crate::tick_loop::TickLoop;
+use crate::workshop::{Bench, Ready};
 use ballroom_client::Setting;
+use protocol::command::{Command, Refusal};
 use protocol::keys::{DEFAULT_ARENA, Name};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -40,6 +42,8 @@ pub struct ArenaOptions {
     pub record: Option<RecordOptions>,
     /// What the history may take, bytes; 0 for none.
     pub history_bytes: u64,
+    /// Obeyed before the first tick, in this order; none may depend on the past.
+    pub first: Vec<Command>,
 }
 
 impl Default for ArenaOptions {
@@ -54,6 +58,7 @@ impl Default for ArenaOptions {
             settings: Vec::new(),
             record: None,
             history_bytes: DEFAULT_HISTORY_BYTES,
+            first: Vec::new(),
         }
     }
 }
@@ -73,6 +78,9 @@ pub enum ArenaError {
     /// The rate is out of its range.
     #[error("a tick rate of {0} Hz is out of range: use 1 to 1000")]
     Rate(u32),
+    /// A command that was to be obeyed before the first tick cannot be.
+    #[error("it cannot begin like this: {0}")]
+    First(Refusal),
     /// No thread could be started.
     #[error("no thread could be started: {0}")]
     Thread(#[from] std::io::Error),
@@ -91,9 +99,10 @@ impl Arena {
         let inbox = Arc::new(Inbox::default());
         let handover = Arc::new(Handover::new());
         let stop = Arc::new(AtomicBool::new(false));
+        let bench = give_first(&options.first, &simulation, &inbox)?;
         let (archive, diary) = Archive::new(&simulation, Settings::live(options.history_bytes));
         let network =
-            network::Network::open(options, &simulation, &inbox, handover.clone(), archive.clone())?;
+            network::Network::open(options, &simulation, &inbox, handover.clone(), archive.clone(), bench)?;
         let endpoints = network.endpoints().to_vec();
         let (tape, recorder) = match &options.record {
             Some(record) => {
@@ -113,6 +122,28 @@ impl Arena {
         ];
         Ok(ArenaHandle { endpoints, stop, threads, recorder })
     }
+}
+
+/// Has commands obeyed before the first tick; gives the bench as it is then.
+fn give_first(first: &[Command], simulation: &Simulation, inbox: &Inbox) -> Result<Bench, ArenaError> {
+    let mut bench = Bench::new(simulation);
+    let mut world = Arc::new(simulation.world());
+    for command in first {
+        let made = match command {
+            Command::LoadState { state: Some(state), .. } => {
+                Plan::Load(state.clone(), world.clone()).carry_out()
+            }
+            command => bench.prepare(command),
+        };
+        let (ready, next) = made.map_err(ArenaError::First)?;
+        if let Ready::World(there) = &ready {
+            world = Arc::new(there.world());
+        }
+        bench = next.unwrap_or(bench);
+        let request = Request { command: command.clone(), ready, answer: None };
+        inbox.offer(request).map_err(|refused| ArenaError::First(refused.why))?;
+    }
+    Ok(bench)
 }
 
 /// Milliseconds since 1970: later starts have larger epochs, and every reader of JSON can hold them.

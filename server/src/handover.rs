@@ -102,11 +102,11 @@ impl Handover {
         self.filled.notify_one();
     }
 
-    /// Puts out what the next state belongs to, and the world whose place it took.
-    pub fn put_stage(&self, stage: Stage, ended: Box<Simulation>) {
+    /// Puts out what the next state belongs to, and the world whose place it took, if that is to be forgotten elsewhere.
+    pub fn put_stage(&self, stage: Stage, ended: Option<Box<Simulation>>) {
         let mut shelf = self.lock();
         shelf.batch.stages.push(stage);
-        shelf.batch.ended_worlds.push(ended);
+        shelf.batch.ended_worlds.extend(ended);
     }
 
     /// Counts hits that found no room before they came here.

@@ -18,6 +18,7 @@
 //! | [`history`] | what of a run can be gone back to |
 //! | [`checkpoint_file`] | a run saved, to go on with later |
 //! | [`recording`] | what a run was given and what became of it, in a file; and the run again |
+//! | [`screening`] | a recording shown again, at any speed |
 //! | `network` | the only place that names Zenoh |
 //! | [`arena`] | all of it together |
 
@@ -32,6 +33,7 @@ mod network;
 pub mod places;
 pub mod recording;
 pub mod scene_file;
+pub mod screening;
 pub mod simulation;
 pub mod tick_loop;
 pub mod workshop;

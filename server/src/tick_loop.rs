@@ -302,7 +302,7 @@ impl TickLoop {
         let epoch = self.simulation.epoch();
         if let Ready::World(mut world) = ready {
             self.simulation.give_way_to(&mut world);
-            self.handover.put_stage(self.simulation.stage(), world);
+            self.handover.put_stage(self.simulation.stage(), Some(world));
         } else if let Command::Reset { scope, .. } = command {
             self.simulation.reset(*scope);
         } else {

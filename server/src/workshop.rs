@@ -47,7 +47,7 @@ impl Bench {
             loaded: simulation.loaded().clone(),
             places: simulation.places().clone(),
             tick_rate_hz: simulation.tick_rate_hz(),
-            is_seeded: simulation.loaded().source().is_seeded(),
+            is_seeded: simulation.loaded().source().seed().is_some(),
         }
     }
 

@@ -10,6 +10,7 @@ mod exit;
 mod hardcases;
 mod lines;
 mod replay;
+mod resume;
 mod serve;
 mod signals;
 mod simulate;

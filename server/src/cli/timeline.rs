@@ -4,7 +4,7 @@ use super::connection::{ANSWER_TIMEOUT, Asked, Connection, LONG_TIMEOUT};
 use anyhow::bail;
 use ballroom_client::Abort;
 use protocol::command::Command;
-use protocol::timeline::Rewind as Target;
+use protocol::timeline::{MAX_WORDS_BYTES, Rewind as Target};
 use server::checkpoint_file;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -120,7 +120,14 @@ impl LoadState {
     pub fn run(self) -> anyhow::Result<()> {
         let command = match file(&self.from) {
             Some(file) => {
-                Command::LoadState { slot: None, state: Some(Box::new(checkpoint_file::read(&file)?)) }
+                let state = checkpoint_file::read(&file)?;
+                if state.words.len() > MAX_WORDS_BYTES {
+                    let file = file.display();
+                    bail!(
+                        "{file} is too long for a command: begin with it, `ballroom serve --resume {file}`"
+                    );
+                }
+                Command::LoadState { slot: None, state: Some(Box::new(state)) }
             }
             None => Command::LoadState { slot: Some(self.from), state: None },
         };

@@ -57,20 +57,9 @@ impl Archive {
     /// With the simulation's present state as the first point, and the tick thread's end of it.
     pub fn new(simulation: &Simulation, settings: Settings) -> (Arc<Self>, Diary) {
         let world = Arc::new(simulation.world());
-        let store = Store::new(world.clone(), settings);
-        Self::with_store(simulation, world, store, settings)
-    }
-
-    /// The same with what came before.
-    pub fn with_store(
-        simulation: &Simulation,
-        world: Arc<World>,
-        mut store: Store,
-        settings: Settings,
-    ) -> (Arc<Self>, Diary) {
+        let mut store = Store::new(world.clone(), settings);
         let mut first = Moment::with_room(&world);
         simulation.write_moment(&mut first);
-        store.enter(world.clone());
         store.point(&first);
         let is_kept = settings.max_bytes > 0;
         let pages = if is_kept { PAGES } else { 0 };
@@ -116,7 +105,9 @@ impl Archive {
                 Entry::Slot(slot, page) => store.keep(slot, &page),
                 Entry::Obeyed { at, command, then, world } => {
                     store.obeyed(at, command, then);
-                    world.into_iter().for_each(|world| store.enter(world));
+                    if let Some(world) = world {
+                        store.enter(world);
+                    }
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! The history of a run on one thread: a replay keeps it as the server did, and can hand it on.
+//! The history of a run on one thread: a replay keeps it as the server did.
 
 use super::line::Place;
 use super::store::Store;
@@ -77,7 +77,7 @@ impl Chronicle {
     }
 
     /// What it has kept.
-    pub fn into_store(self) -> Store {
-        self.store
+    pub const fn store(&self) -> &Store {
+        &self.store
     }
 }

@@ -6,6 +6,7 @@ use super::{MAX_SLOT_BYTES, Settings};
 use crate::recording::obey;
 use crate::simulation::{Moment, Simulation, World};
 use crate::workshop::{Bench, Ready};
+use ballroom_physics::Time;
 use protocol::command::{Command, Refusal, code};
 use protocol::timeline::{MAX_SLOTS, Rewind, SavedState, SlotEntry, Timeline};
 use std::collections::BTreeMap;
@@ -179,10 +180,9 @@ impl Way {
     }
 }
 
+/// Without looking at every tick on the way, which changes no bit.
 fn advance_to(simulation: &mut Simulation, tick: u64) {
-    while simulation.tick() < tick {
-        simulation.advance();
-    }
+    simulation.advance_to(Time::of_tick(tick, simulation.tick_rate_hz()));
 }
 
 /// What was obeyed once is obeyed again.

@@ -202,7 +202,7 @@ fn commands_that_fill_the_memory_cost_the_oldest() {
         ride.ticks(30);
     }
     let now = place(&ride.simulation);
-    let history = ride.chronicle.into_store().timeline(now).history;
+    let history = ride.chronicle.store().timeline(now).history;
     assert!(history.bytes <= 200_000 && history.oldest_tick > 0 && history.points > 0, "{history:?}");
 }
 
@@ -216,7 +216,7 @@ fn slots_are_bounded_and_a_stranger_is_named() {
     for slot in 0..protocol::timeline::MAX_SLOTS {
         ride.command(&format!(r#"{{"cmd":"save_state","slot":"s{slot}"}}"#)).unwrap();
     }
-    let store = ride.chronicle.into_store();
+    let store = ride.chronicle.store();
     assert!(store.has_room_for("s1").is_ok());
     assert_eq!(store.has_room_for("another").unwrap_err().code, code::TOO_MANY);
 }

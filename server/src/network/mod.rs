@@ -130,6 +130,7 @@ impl Network {
         inbox: &Arc<Inbox>,
         handover: Arc<Handover>,
         archive: Arc<Archive>,
+        bench: Bench,
     ) -> Result<Self, NetworkError> {
         let mut first = Snapshot::default();
         simulation.write_snapshot(&mut first);
@@ -143,7 +144,7 @@ impl Network {
         });
         let keys = Keys::new(&options.arena);
         let (session, endpoints) = session::open(options)?;
-        let workshop = Workshop::start(Bench::new(simulation), inbox.clone(), archive.clone())?;
+        let workshop = Workshop::start(bench, inbox.clone(), archive.clone())?;
         let (answers, answered) = answers::Answers::start(latest.clone(), archive)?;
         let services = services::Services::declare(&session, &keys, &answers, inbox, workshop)?;
         drop(answers);

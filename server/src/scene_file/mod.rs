@@ -104,9 +104,9 @@ impl SceneText {
         self
     }
 
-    /// Whether something else than their own seeds places its clouds.
-    pub const fn is_seeded(&self) -> bool {
-        self.seed.is_some()
+    /// What places its clouds instead of their own seeds.
+    pub const fn seed(&self) -> Option<u64> {
+        self.seed
     }
 
     /// The same with `count` balls in all, when one is given. The scene must have exactly one cloud, which makes up the

@@ -108,12 +108,11 @@ impl Simulation {
             places,
             first_player,
             tick_rate_hz,
-            epoch,
-            tick,
-            energy_at_start,
-            held,
+            epoch: _,
+            tick: _,
+            energy_at_start: _,
+            held: _,
         } = self;
-        let _moving = (epoch, tick, energy_at_start, held);
         let stand = if places.start().shares_scene_with(controller) {
             places.shared_start()
         } else {
