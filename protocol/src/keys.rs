@@ -16,6 +16,8 @@
 //! | `srv/parameters` | anyone, asked | [`Parameters`](crate::parameter::Parameters) of the scene: value, unit, range, whether it may be set, JSON |
 //! | `srv/features` | anyone, asked | [`Features`](crate::listing::Features): what is supported, with limits, JSON |
 //! | `srv/scenes` | anyone, asked | [`Scenes`](crate::listing::Scenes) that come with the program, JSON |
+//! | `srv/slots` | anyone, asked | the [`Timeline`](crate::timeline::Timeline): how far a rewind reaches, and the slots, JSON |
+//! | `srv/checkpoint` | anyone, asked | the present state or `?slot=a` as a [`SavedState`](crate::timeline::SavedState), JSON |
 //! | `alive/<role>/<id>` | each for itself | a liveliness token while it lives |
 //!
 //! The chunk `v1` changes when old and new can no longer understand each other.
@@ -178,6 +180,16 @@ impl Keys {
     /// The scenes that come with the program.
     pub fn srv_scenes(&self) -> String {
         self.under("srv/scenes")
+    }
+
+    /// What can be gone back to.
+    pub fn srv_slots(&self) -> String {
+        self.under("srv/slots")
+    }
+
+    /// A state as a file.
+    pub fn srv_checkpoint(&self) -> String {
+        self.under("srv/checkpoint")
     }
 
     /// One token.

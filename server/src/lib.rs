@@ -17,8 +17,10 @@
 //! | [`tick_loop`] | a fixed rate, on a plain thread |
 //! | [`meter`] | how long ticks take |
 //! | [`handover`] | from the tick thread to the publisher |
+//! | [`history`] | what of a run can be gone back to |
 //! | [`checkpoint_file`] | a run saved, to go on with later |
 //! | [`recording`] | what a run was given and what became of it, in a file; and the run again |
+//! | [`screening`] | a recording shown again, at any speed |
 //! | `network` | the only place that names Zenoh |
 //! | [`arena`] | all of it together |
 
@@ -27,12 +29,14 @@ pub mod change;
 pub mod checkpoint_file;
 pub mod features;
 pub mod handover;
+pub mod history;
 pub mod inbox;
 pub mod meter;
 mod network;
 pub mod parameters;
 pub mod recording;
 pub mod scene_file;
+pub mod screening;
 pub mod simulation;
 pub mod tick_loop;
 pub mod workshop;

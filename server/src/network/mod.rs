@@ -16,6 +16,7 @@ mod session;
 
 use crate::arena::ArenaOptions;
 use crate::handover::Handover;
+use crate::history::Archive;
 use crate::inbox::Inbox;
 use crate::simulation::{Simulation, Stage};
 use crate::workshop::{Bench, Workshop};
@@ -134,6 +135,7 @@ impl Network {
         simulation: &Simulation,
         inbox: &Arc<Inbox>,
         handover: Arc<Handover>,
+        archive: Arc<Archive>,
     ) -> Result<Self, NetworkError> {
         let mut first = Snapshot::default();
         simulation.write_snapshot(&mut first);
@@ -147,8 +149,8 @@ impl Network {
         });
         let keys = Keys::new(&options.arena);
         let (session, endpoints) = session::open(options)?;
-        let workshop = Workshop::start(Bench::new(simulation), inbox.clone())?;
-        let (answers, answered) = answers::Answers::start(latest.clone())?;
+        let workshop = Workshop::start(Bench::new(simulation), inbox.clone(), archive.clone())?;
+        let (answers, answered) = answers::Answers::start(latest.clone(), archive)?;
         let services = services::Services::declare(&session, &keys, &answers, inbox, workshop)?;
         drop(answers);
         let publisher = publisher::Publisher::declare(&session, &keys, latest, handover)?;

@@ -6,6 +6,7 @@ mod control;
 mod hardcases;
 mod serving;
 mod simulate;
+mod timeline;
 mod usage;
 
 use std::fs::File;
