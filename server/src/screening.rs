@@ -9,7 +9,6 @@ use crate::meter::Meter;
 use crate::network;
 use crate::recording::{Audience, Reader, ReplayError, Verdict, begin, replay_before};
 use crate::simulation::{NumberedHit, Simulation};
-use crate::workshop::Bench;
 use protocol::command::{Command, Refusal, Reply, SpeedFactor, code};
 use protocol::stats::Stats;
 use std::io::Read;
@@ -50,8 +49,7 @@ impl<R: Read> Screening<R> {
         let options = ArenaOptions { tick_rate_hz: simulation.tick_rate_hz(), ..options.clone() };
         let (inbox, handover) = (Arc::new(Inbox::default()), Arc::new(Handover::new()));
         let (archive, diary) = Archive::new(&simulation, Settings::live(0));
-        let bench = Bench::new(&simulation);
-        let network = network::Network::open(&options, &simulation, &inbox, handover.clone(), archive, bench)
+        let network = network::Network::open(&options, &simulation, &inbox, handover.clone(), archive)
             .map_err(ArenaError::from)?;
         let endpoint = network.endpoints().first().cloned().unwrap_or_default();
         let thread = std::thread::Builder::new().name("publish".into());

@@ -64,7 +64,7 @@ impl Ride {
         let command = Command::from_json(json).unwrap();
         let at = place(&self.simulation);
         if command.needs_the_past() {
-            self.chronicle.obey(&mut self.simulation, &mut self.bench, &command)?;
+            self.chronicle.obey(&mut self.simulation, &command)?;
         } else {
             obey(&mut self.simulation, &mut self.bench, &command).unwrap();
             self.chronicle.obeyed(at, command, &self.simulation);

@@ -151,7 +151,7 @@ fn balls_set_as_in_another_run_go_on_turning_from_there() {
     let start = load(&scene);
     let mut engine = load(&scene);
     (0..97).for_each(|t| tick(&mut engine, t));
-    engine.set_as_in(&start);
+    engine.set_as_in(&start).unwrap();
     let mut twin = load(&scene);
     // The first step of either is the same, and so is how it turns.
     for t in 1..=6 {
