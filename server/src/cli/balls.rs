@@ -184,7 +184,7 @@ impl Balls {
             let ([x, y, z], [vx, vy, vz]) = (ball.center_m, ball.velocity_m_per_s);
             let player = if ball.player { "  player" } else { "" };
             let spawned = if ball.spawned { "  spawned" } else { "" };
-            let tags: String = ball.tags.iter().map(|tag| format!("  #{tag}")).collect();
+            let tags = ball.tags.iter().map(|tag| format!("  #{tag}")).collect::<Vec<_>>().concat();
             writeln!(
                 out,
                 "{:24} at ({x:.6}, {y:.6}, {z:.6}) m  going ({vx:.6}, {vy:.6}, {vz:.6}) m/s{player}{spawned}{tags}",

@@ -29,7 +29,7 @@ Examples:
   ballroom floor move 4,3=-4,-2,-10 6,3=-4,2,-10 --json")]
 struct Move {
     /// Which, and where to, m
-    #[arg(required = true, value_name = "ROW,COLUMN=X,Y,Z", allow_hyphen_values = true, value_parser = point)]
+    #[arg(required = true, value_name = "ROW,COLUMN=X,Y,Z", value_parser = point)]
     points: Vec<PointMove>,
     #[command(flatten)]
     asked: Asked,

@@ -95,7 +95,7 @@ fn a_replay_equals_its_recording() {
         let directory = tempfile::tempdir().unwrap();
         let options = RecordOptions { hash_every_ticks, states_hz, ..options(&directory) };
         let verdict = judge(&record(scene, &options, |command| command)).unwrap();
-        assert_eq!((verdict.ticks, verdict.commands), (200, 26));
+        assert_eq!((verdict.ticks, verdict.commands), (200, 25));
         assert_eq!((verdict.difference, verdict.ending), (None, Some(Ending::Complete)));
         assert_eq!(verdict.hashes, hashes, "hashes every {hash_every_ticks} ticks");
         assert!(verdict.states <= 33 && (states_hz == 0) == (verdict.states == 0), "{}", verdict.states);

@@ -7,6 +7,7 @@ use protocol::command::{Command, Reply, code};
 use protocol::scene::Floor;
 use protocol::snapshot::World;
 use serde_json::{Value, json};
+use std::time::{Duration, Instant};
 
 fn command(client: &Client, text: &str) -> Reply {
     client.command(&Command::from_json(text).unwrap()).unwrap()
@@ -140,7 +141,7 @@ fn what_cannot_come_or_go_is_refused_as_a_whole_with_its_reason() {
 
 #[test]
 fn balls_that_many_ask_for_at_once_all_come() {
-    let server = Serving::start(&["original"]);
+    let server = Serving::start(&["original", "--paused"]);
     let threads: Vec<_> = (0..4)
         .map(|i| {
             let client = server.client();
@@ -152,7 +153,9 @@ fn balls_that_many_ask_for_at_once_all_come() {
             })
         })
         .collect();
-    threads.into_iter().for_each(|thread| thread.join().unwrap());
+    for thread in threads {
+        thread.join().unwrap();
+    }
     assert_eq!(server.client().snapshot().unwrap().roster.names.len(), 15);
 }
 
@@ -254,4 +257,44 @@ fn numbers_are_listed_and_those_that_may_be_are_set_all_or_none() {
     assert_eq!((after.snapshot.state_hash, after.scene.restitution), (state, 0.9));
     assert_eq!(server.json(0, &["reset"])["code"], code::OK);
     assert_eq!(client.snapshot().unwrap().scene, start.scene);
+}
+
+#[test]
+fn a_recorded_run_whose_world_changed_replays_to_the_bit() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("ride.mcap");
+    let file = file.to_str().unwrap();
+    let server = Serving::start(&["original", "--paused", "--record", file]);
+    let client = server.client();
+    let commands = [
+        r#"{"cmd":"spawn","balls":[{"name":"guest","center_m":[-8,8],"radius_m":0.5,"mass_kg":2,"tags":["x"],"player":true}]}"#,
+        r#"{"cmd":"steer","ball":"guest","direction":"right","mode":"force"}"#,
+        r#"{"cmd":"set_balls","select":{"within_m":[-10,0,10,10]},"velocity_m_per_s":[1,-1,0]}"#,
+        r#"{"cmd":"move_control_points","points":[{"row":5,"column":3,"to_m":[-4,0.1,-65]}]}"#,
+        r#"{"cmd":"set_parameters","values":{"restitution":0.8,"gravity_m_per_s2":[0,0,-5]}}"#,
+        r#"{"cmd":"delete","within_m":[-10,-10,10,10],"tag":"x"}"#,
+        r#"{"cmd":"spawn","balls":[{"name":"guest","uv":[0.05,0.05],"radius_m":0.2,"mass_kg":2}]}"#,
+        r#"{"cmd":"reset","scope":"spawned"}"#,
+        r#"{"cmd":"reset"}"#,
+        r#"{"cmd":"delete","names":["red"]}"#,
+    ];
+    for text in commands {
+        done(&client, text);
+        done(&client, r#"{"cmd":"step","ticks":7}"#);
+    }
+    // The recorder writes twice a second; what is there can be replayed while it does.
+    let deadline = Instant::now() + super::PATIENCE;
+    loop {
+        let replayed = super::ballroom(&["replay", file, "--json"]);
+        if replayed.code == 0 {
+            let verdict: Value = serde_json::from_str(&replayed.stdout).unwrap();
+            assert_eq!(verdict["difference"], Value::Null, "{verdict}");
+            if verdict["commands"] == 2 * commands.len() {
+                assert!(verdict["hashes"].as_u64() > Some(50), "{verdict}");
+                break;
+            }
+        }
+        assert!(Instant::now() < deadline, "{}{}", replayed.stdout, replayed.stderr);
+        std::thread::sleep(Duration::from_millis(50));
+    }
 }

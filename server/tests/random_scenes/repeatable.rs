@@ -106,8 +106,7 @@ pub fn hold_beside_a_bystander(
     scene.balls.push(bystander(seed, &scene));
     // It may stand in a wall, in another ball or where the floor is too tight for it.
     let Some(Ok(mut engine)) = reloaded(&scene).map(|loaded| loaded.controller()) else { return Ok(false) };
-    let added = engine.scene_index().iter().position(|place| *place + 1 == scene.balls.len());
-    let added = added.unwrap_or_default();
+    let added = added_to(&engine);
     let others = |engine: &Controller| -> Vec<BallState> {
         let all = engine.balls().iter().enumerate();
         all.filter(|(id, _)| *id != added).map(|(_, ball)| *ball).collect()
@@ -116,11 +115,7 @@ pub fn hold_beside_a_bystander(
     for beat in 0..BEATS {
         refused += act(&mut engine, script, beat, |place| place);
         advance(&mut engine, beat, 30);
-        let met = engine.hits().iter().any(|hit| match hit.partner {
-            HitPartner::Ball(other) => hit.ball == added || other == added,
-            HitPartner::Wall(_) => false,
-        });
-        if met {
+        if has_met(&engine, added) {
             return Ok(false);
         }
     }
@@ -133,4 +128,73 @@ pub fn hold_beside_a_bystander(
         Some(id) => Err(format!("beside a ball that meets nobody, ball {id} differs at the end")),
         None => Ok(true),
     }
+}
+
+/// Id of the last ball of the list.
+fn added_to(engine: &Controller) -> usize {
+    let last = engine.balls().len() - 1;
+    engine.scene_index().iter().position(|place| *place == last).unwrap_or_default()
+}
+
+/// Whether a ball hit another one in the last advance.
+fn has_met(engine: &Controller, ball: usize) -> bool {
+    engine.hits().iter().any(|hit| match hit.partner {
+        HitPartner::Ball(other) => hit.ball == ball || other == ball,
+        HitPartner::Wall(_) => false,
+    })
+}
+
+/// A ball comes amid the run and goes again. If it met nobody and was about to meet nobody, the run ends as it does
+/// without. Returns whether it was so.
+pub fn hold_when_one_comes_and_goes(
+    seed: u64,
+    loaded: &LoadedScene,
+    start: &Controller,
+    script: &[Act],
+    run: &Run,
+) -> Result<bool, String> {
+    let mut scene = (**loaded.scene()).clone();
+    scene.balls.push(bystander(seed, &scene));
+    let Some(wider) = reloaded(&scene) else { return Ok(false) };
+    let mut random = Random::new(seed ^ 3);
+    let comes_at = random.below(BEATS as usize - 2) as u64;
+    let goes_at = comes_at + 1 + random.below((BEATS - comes_at - 1) as usize) as u64;
+    let few: Vec<Option<usize>> = (0..start.balls().len()).map(Some).collect();
+    let many: Vec<Option<usize>> = few.iter().copied().chain([None]).collect();
+    // Not where the floor is too tight for it.
+    let Ok(mut comes) = start.successor(loaded.physics(), wider.physics(), &many) else { return Ok(false) };
+    let goes = comes.at_start().successor(wider.physics(), loaded.physics(), &few);
+    let mut goes = goes.map_err(|fault| format!("without the ball that came: {fault}"))?;
+    let mut engine = start.clone();
+    let books = |engine: &Controller| engine.energy() - engine.steering_work();
+    let mut refused = 0;
+    for beat in 0..BEATS {
+        if beat == comes_at {
+            let before = books(&engine);
+            // It may stand in a wall or in another ball.
+            if engine.go_on_as(&mut comes).is_err() {
+                return Ok(false);
+            }
+            let size = before.abs() + engine.energy().abs() + engine.steering_work().abs();
+            if (books(&engine) - before).abs() > 1e-12 * size {
+                return Err(format!("one that comes at beat {beat} is not in the books"));
+            }
+        }
+        // Who was about to meet it looks ahead anew.
+        if beat == goes_at && engine.go_on_as(&mut goes) != Ok(0) {
+            return Ok(false);
+        }
+        refused += act(&mut engine, script, beat, |place| place);
+        advance(&mut engine, beat, 30);
+        if (comes_at..goes_at).contains(&beat) && has_met(&engine, added_to(&engine)) {
+            return Ok(false);
+        }
+    }
+    // It stood where a ball was to be put.
+    if refused != run.refused {
+        return Ok(false);
+    }
+    let differs = engine.balls().iter().zip(&run.last).position(|(a, b)| bits(a) != bits(b));
+    let claim = format!("one came at beat {comes_at} and went at {goes_at}");
+    differs.map_or(Ok(true), |id| Err(format!("{claim}, and ball {id} differs at the end")))
 }

@@ -30,7 +30,7 @@ impl Controller {
         check_numbers(scene)?;
         let patch = net_of(&scene.floor)?;
         let certificate = certify_for(&patch, &-scene.gravity, largest_radius(scene));
-        let mut controller = Self::standing(scene, patch, certificate, |_| None)?;
+        let mut controller = Self::standing(scene, patch, &certificate, |_| None)?;
         controller.check_room()?;
         for ball in 0..controller.balls.len() {
             let state = controller.arcs[ball].state;
@@ -48,10 +48,10 @@ impl Controller {
     pub(super) fn standing(
         scene: &Scene,
         patch: BezierPatch,
-        certificate: Certificate,
+        certificate: &Certificate,
         known: impl Fn(usize) -> Option<(Ball, State)>,
     ) -> Result<Self, SceneFault> {
-        check_floor(scene, &patch, &certificate)?;
+        check_floor(scene, &patch, certificate)?;
         let surface = Surface::new(&scene.floor, &patch, certificate.orientation);
         let order = rank_by_name(&scene.balls)?;
         let walls: Vec<Plane> = scene
@@ -79,7 +79,7 @@ impl Controller {
             states: vec![super::BallState::default(); order.len()],
             surface,
             patch,
-            certificate,
+            certificate: *certificate,
             walls,
             gravity: scene.gravity,
             restitution: scene.restitution,

@@ -86,7 +86,7 @@ impl Controller {
             ball.stepping.try_s = super::load::first_step(scene.accuracy);
             Some((ball, self.arcs[id].state))
         };
-        let mut controller = Self::standing(scene, patch, certificate, stands)?;
+        let mut controller = Self::standing(scene, patch, &certificate, stands)?;
         controller.observe();
         let was = controller.scene_index.iter().map(|place| old(*place)).collect();
         Ok(Successor { controller, was, keeps })
