@@ -298,7 +298,11 @@ impl TickLoop {
         if let Ready::Seats(seats) = ready {
             return self.simulation.set_balls(&seats);
         }
-        self.interrupt_stepping("reset");
+        self.interrupt_stepping(match command {
+            Command::Reset { .. } => "reset",
+            Command::Rewind(_) => "gone back",
+            _ => "another world came",
+        });
         let epoch = self.simulation.epoch();
         if let Ready::World(mut world) = ready {
             self.simulation.give_way_to(&mut world);

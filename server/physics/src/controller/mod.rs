@@ -10,6 +10,7 @@
 //! | balls set anew, all or none | `reseat` |
 //! | what a tick shows: states, energy | `observe` |
 //! | a run as words: saved, restored, hashed | `checkpoint`, `plain` |
+//! | whether words from outside can be a run's | `sound` |
 
 mod advance;
 pub mod checkpoint;
@@ -19,6 +20,7 @@ mod observe;
 mod plain;
 mod predict;
 mod reseat;
+mod sound;
 mod steer;
 
 pub use reseat::{Seat, SeatFault, Spot};
