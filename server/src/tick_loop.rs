@@ -314,7 +314,11 @@ impl TickLoop {
                 | Command::LoadState { .. }
                 | Command::Reset { scope: Scope::All | Scope::Time, .. }
         ) {
-            self.interrupt_stepping("reset");
+            self.interrupt_stepping(match command {
+                Command::Reset { .. } => "reset",
+                Command::Rewind(_) => "gone back",
+                _ => "another world came",
+            });
         }
         let (epoch, world) = (self.simulation.epoch(), self.simulation.world().clone());
         let done = match (ready, command) {

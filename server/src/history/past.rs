@@ -8,6 +8,9 @@ use base64::engine::general_purpose::STANDARD as BASE64;
 use protocol::timeline::{HeldForce, SAVED_STATE_FORMAT, SAVED_STATE_VERSION, SavedState};
 use std::sync::Arc;
 
+/// Largest speed of a run from outside, m/s: what may be set one by one may stand in a file.
+const LIVELIEST: f64 = 1e6;
+
 /// A moment that can be gone back to.
 pub struct Past {
     ground: Arc<Ground>,
@@ -88,7 +91,12 @@ impl Past {
             let until = (u128::from(force.until_tick) * rates[0]).div_ceil(rates[1]);
             (force.ball as usize, until as u64)
         };
-        let time = stand.at_run(&run)?.time();
+        let there = stand.at_run(&run)?;
+        let bounded = there.liveliest() <= LIVELIEST;
+        if !bounded || !there.is_sound() {
+            return Err(damaged);
+        }
+        let time = there.time();
         let tick = Simulation::last_tick_at(time, ground.tick_rate_hz());
         let moment = Moment {
             epoch: 0,

@@ -176,7 +176,9 @@ fn what_is_no_checkpoint_of_the_scene_is_refused_with_its_reason() {
     let text = std::fs::read_to_string(&kept).unwrap();
     for (wrong, reason) in [
         (text[..text.len() / 2].to_owned(), "EOF"),
-        (text.replace("\"words\":[1,", "\"words\":[9,"), "format 9"),
+        (text.replace("\"version\":2", "\"version\":9"), "version 9"),
+        (text.replace("\"words\":\"", "\"words\":\"AAAA"), "format"),
+        (text.replace("\"words\":\"", "\"words\":\"!"), "damaged"),
     ] {
         std::fs::write(&other, wrong).unwrap();
         let why = refusal(&["cradle", "--until", "2", "--load", &other]);

@@ -302,7 +302,7 @@ class Server:
         return self._ask_json("slots")
 
     def checkpoint(self, slot: str | None = None) -> dict[str, Any]:
-        """The present state, or one kept under a name, to be kept with `json.dump`: what `ballroom save FILE` writes."""
+        """The present state, or one kept under a name, as `ballroom save FILE` writes it: for `json.dump`."""
         return self._ask_json("checkpoint", "" if slot is None else f"?slot={slot}")
 
     def steer(self, ball: str | None, direction: Direction, mode: Literal["impulse", "force"] = "impulse") -> Reply:

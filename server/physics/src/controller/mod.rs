@@ -11,6 +11,7 @@
 //! | other balls, another floor, other laws from now on | `succeed` |
 //! | what a tick shows: states, energy | `observe` |
 //! | a run as words: saved, restored, hashed | `checkpoint`, `plain` |
+//! | whether words from outside can be a run's | `sound` |
 
 mod advance;
 pub mod checkpoint;
@@ -20,6 +21,7 @@ mod observe;
 mod plain;
 mod predict;
 mod reseat;
+mod sound;
 mod steer;
 mod succeed;
 

@@ -131,6 +131,39 @@ fn what_is_no_checkpoint_of_the_scene_is_refused_and_changes_nothing() {
     assert_eq!(load(&heavier).restore(&whole), Err(CheckpointFault::Scene));
 }
 
+/// A checksum keeps accidents out, not intent: whatever the words say, they are refused or a run that goes on.
+#[test]
+fn words_that_fit_together_are_refused_or_run_on() {
+    let odd = [0, 1, 7, u64::MAX, 1 << 63, 1e-300_f64.to_bits(), 1e300_f64.to_bits(), f64::NAN.to_bits()];
+    for (name, scene) in scenes() {
+        let start = load(&scene);
+        let mut engine = start.clone();
+        (0..30).for_each(|t| tick(&mut engine, t));
+        let mut run = Vec::new();
+        engine.write_run(&mut run);
+        let mut at = random(23);
+        let mut taken = 0;
+        for _ in 0..200 {
+            let mut wrong = run.clone();
+            let place = (at().abs() * wrong.len() as f64) as usize % wrong.len();
+            wrong[place] = match (at().abs() * 12.0) as usize {
+                which @ 0..8 => odd[which],
+                _ => wrong[place] ^ (1 << ((at().abs() * 64.0) as u32 % 64)),
+            };
+            let mut other = start.clone();
+            // Speed is worth its time, and whoever takes words from strangers asks for both.
+            let fits = other.restore(&engine.checkpoint_of(&wrong)).is_ok();
+            if fits && other.liveliest() < 1e3 && other.is_sound() {
+                taken += 1;
+                other.advance_to(other.time().after(0.25));
+            }
+        }
+        println!("{name}: {taken} of 200 are taken");
+        assert!(engine.is_sound(), "{name}");
+        assert!(taken < 200, "{name}");
+    }
+}
+
 /// What an arc is made of follows from its start: it is launched again and not kept.
 #[test]
 fn a_checkpoint_takes_a_third_of_a_kilobyte_a_ball() {
