@@ -6,6 +6,7 @@
 //! | [`scene_text`] | TOML to a scene, with errors that name file, line and field |
 //! | [`command`] | what a client may ask of a running arena, and the answer |
 //! | [`reply`] | done at which tick, or why not, with a code |
+//! | [`player`] | who drives which ball, and what they say while they do |
 //! | [`snapshot`] | the state of all balls at a tick |
 //! | [`event`] | one hit, with time, place and impulse |
 //! | [`stats`] | what the server says of itself once a second |
@@ -20,6 +21,7 @@ pub mod event;
 pub mod info;
 pub mod keys;
 pub mod listing;
+pub mod player;
 pub mod reply;
 pub mod scene;
 pub mod scene_text;

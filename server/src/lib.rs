@@ -9,18 +9,23 @@
 //! | [`scene_file`] | from the text people write to what the engine takes |
 //! | [`simulation`] | commands in, ticks on, states out; no clock, no I/O |
 //! | [`places`] | where the balls of a scene may be put |
+//! | [`bucket`] | how many messages one source may send |
 //! | [`workshop`] | what takes longer than a tick has, made ready on a thread of its own |
 //! | [`features`] | what is understood, with limits |
 //! | [`inbox`] | commands as they arrive: bounded, in order |
+//! | [`wanted`] | players' commands that wait for their ticks |
+//! | [`players`] | who drives which ball: claims, windows, dead-man |
 //! | [`tick_loop`] | a fixed rate, on a plain thread |
 //! | [`meter`] | how long ticks take |
 //! | [`handover`] | from the tick thread to the publisher |
 //! | [`checkpoint_file`] | a run saved, to go on with later |
 //! | [`recording`] | what a run was given and what became of it, in a file; and the run again |
 //! | `network` | the only place that names Zenoh |
+//! | [`terminal`] | keys in, a few lines out, for whoever plays in a terminal |
 //! | [`arena`] | all of it together |
 
 pub mod arena;
+pub mod bucket;
 pub mod checkpoint_file;
 pub mod features;
 pub mod handover;
@@ -28,10 +33,13 @@ pub mod inbox;
 pub mod meter;
 mod network;
 pub mod places;
+pub mod players;
 pub mod recording;
 pub mod scene_file;
 pub mod simulation;
+pub mod terminal;
 pub mod tick_loop;
+pub mod wanted;
 pub mod workshop;
 
 pub use arena::{Arena, ArenaError, ArenaHandle, ArenaOptions};

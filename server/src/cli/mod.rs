@@ -9,6 +9,9 @@ mod connection;
 mod exit;
 mod hardcases;
 mod lines;
+mod pad;
+mod play;
+mod players;
 mod replay;
 mod serve;
 mod signals;
@@ -57,6 +60,8 @@ enum Subcommands {
     Load(world::Load),
     Scenes(world::Scenes),
     Features(world::Features),
+    Play(play::Play),
+    Players(players::Players),
     Watch(watch::Watch),
     Simulate(simulate::Simulate),
     Replay(replay::Replay),
@@ -70,7 +75,7 @@ pub fn main() -> ExitCode {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info,zenoh=error"));
     tracing_subscriber::fmt()
         .with_env_filter(filter)
-        .with_writer(std::io::stderr)
+        .with_writer(server::terminal::screen::LogLines::default)
         .with_ansi(std::io::stderr().is_terminal())
         .with_target(false)
         .init();
@@ -88,6 +93,8 @@ pub fn main() -> ExitCode {
         Subcommands::Features(features) => features.run(),
         Subcommands::Reset(reset) => reset.run(),
         Subcommands::Speed(speed) => speed.run(),
+        Subcommands::Play(play) => play.run(),
+        Subcommands::Players(players) => players.run(),
         Subcommands::Watch(watch) => watch.run(),
         Subcommands::Simulate(simulate) => simulate.run(),
         Subcommands::Replay(replay) => replay.run(),

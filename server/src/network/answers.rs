@@ -2,9 +2,11 @@
 //! most, never a state or Zenoh's receiving threads.
 
 use super::Latest;
+use crate::players::Players;
 use protocol::codec;
 use protocol::command::Reply;
 use protocol::listing::Selection;
+use protocol::player::Claimed;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use zenoh::Wait;
@@ -18,6 +20,10 @@ const MAX_WAITING: usize = 256;
 pub enum Answer {
     /// What came of a command.
     Reply(Reply),
+    /// What came of asking for a ball.
+    Claimed(Claimed),
+    /// Who drives which ball when the answer is made.
+    Players,
     /// The world as it is when the answer is made.
     World {
         /// Rather than binary.
@@ -45,12 +51,12 @@ pub struct Answers(SyncSender<(Query, Answer)>);
 
 impl Answers {
     /// Starts the thread; the receiver hears when it has ended.
-    pub fn start(latest: Arc<Latest>) -> std::io::Result<(Self, Receiver<()>)> {
+    pub fn start(latest: Arc<Latest>, players: Arc<Players>) -> std::io::Result<(Self, Receiver<()>)> {
         let (queue, waiting) = sync_channel::<(Query, Answer)>(MAX_WAITING);
         let (finished, ended) = sync_channel(1);
         std::thread::Builder::new().name("answer".into()).spawn(move || {
             for (query, answer) in waiting {
-                send(&latest, &query, answer);
+                send(&latest, &players, &query, answer);
             }
             drop(finished);
         })?;
@@ -63,9 +69,11 @@ impl Answers {
     }
 }
 
-fn send(latest: &Latest, query: &Query, answer: Answer) {
+fn send(latest: &Latest, players: &Players, query: &Query, answer: Answer) {
     let (bytes, encoding) = match answer {
         Answer::Reply(reply) => json(&reply),
+        Answer::Claimed(claimed) => json(&claimed),
+        Answer::Players => json(&players.listing()),
         Answer::World { as_json: true } => json(&latest.world()),
         Answer::World { as_json: false } => {
             (codec::encode_world(&latest.world()), Encoding::APPLICATION_CBOR)

@@ -3,8 +3,11 @@
 mod check;
 mod control;
 mod hardcases;
+mod players;
+mod relay;
 mod serving;
 mod simulate;
+mod terminal;
 mod usage;
 
 use std::fs::File;

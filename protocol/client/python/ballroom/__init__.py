@@ -7,32 +7,38 @@ with ballroom.connect() as server:
     print(state.time_s, state["player"].center_m)
 """
 
+from ballroom.driver import Acted, Driver
 from ballroom.env import Env, VectorEnv
 from ballroom.errors import (
     BallroomError,
     FrameError,
+    LostBallError,
     NoAnswerError,
     NoServerError,
     OutOfStepError,
     RefusedError,
 )
 from ballroom.feeds import Hits, States
-from ballroom.frames import Ball, Hit, Reply, Roster, State, World
+from ballroom.frames import Ball, Hit, Player, Reply, Roster, State, World
 from ballroom.launch import launch
 from ballroom.server import BallSetting, Direction, Scope, Server, connect
 
 __all__ = [
+    "Acted",
     "Ball",
     "BallSetting",
     "BallroomError",
     "Direction",
+    "Driver",
     "Env",
     "FrameError",
     "Hit",
     "Hits",
+    "LostBallError",
     "NoAnswerError",
     "NoServerError",
     "OutOfStepError",
+    "Player",
     "RefusedError",
     "Reply",
     "Roster",
