@@ -46,7 +46,7 @@ pub struct Token(String);
 impl Token {
     /// Of random bits.
     pub fn from_bits(bits: u128) -> Self {
-        Self(format!("{bits:0width$x}", width = TOKEN_DIGITS))
+        Self(format!("{bits:0TOKEN_DIGITS$x}"))
     }
 
     /// Its digits, to be compared without telling how many are right.
@@ -381,6 +381,19 @@ mod tests {
         assert!(drive(&" ".repeat(MAX_DRIVE_BYTES)).is_err());
         for token in ["", "0011", &"g".repeat(32)] {
             assert!(Drive::from_json(format!(r#"{{"token":"{token}"}}"#).as_bytes()).is_err(), "{token}");
+        }
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn no_bytes_make_a_reader_panic(bytes: Vec<u8>, seq: u64, x: f64, rest: String) {
+            let _ = Drive::from_json(&bytes);
+            let _ = Claim::from_json(&bytes);
+            let _ = Release::from_json(&bytes);
+            let _ = drive(&rest);
+            if let Ok(read) = drive(&format!(r#","sent":[{{"seq":{seq},"direction":[{x},{x}]}}]"#)) {
+                proptest::prop_assert!(read.check().is_ok() && read.sent[0].seq == seq);
+            }
         }
     }
 

@@ -266,9 +266,9 @@ impl Client {
     }
 
     /// Asks until somebody answers, as long as the client's patience lasts.
-    pub(crate) fn ask_with(&self, key: &str, payload: Option<Vec<u8>>) -> Result<Vec<u8>, ClientError> {
+    pub(crate) fn ask_with(&self, key: &str, payload: Option<&[u8]>) -> Result<Vec<u8>, ClientError> {
         loop {
-            if let Some(answer) = self.ask_once_with(key, payload.clone(), self.options.timeout)? {
+            if let Some(answer) = self.ask_once_with(key, payload, self.options.timeout)? {
                 return Ok(answer);
             }
             // Nobody served it; just after the session opened the server's declarations may not have arrived yet.
@@ -297,7 +297,7 @@ impl Client {
     pub(crate) fn ask_once_with(
         &self,
         key: &str,
-        payload: Option<Vec<u8>>,
+        payload: Option<&[u8]>,
         timeout: Duration,
     ) -> Result<Option<Vec<u8>>, ClientError> {
         // Dropping what does not fit keeps the session's receiving thread free whatever is sent.

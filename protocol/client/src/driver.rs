@@ -80,7 +80,7 @@ impl Client {
         claim.check()?;
         let key = self.keys().srv_claim();
         let claimed: protocol::player::Claimed =
-            codec::decode_json(&self.ask_with(&key, Some(codec::encode_json(&claim)))?)?;
+            codec::decode_json(&self.ask_with(&key, Some(&codec::encode_json(&claim)))?)?;
         match claimed.grant {
             Some(grant) => Driver::new(self.clone(), grant),
             None => Err(ClientError::Refused { question: key, why: claimed.reply.error }),
@@ -204,7 +204,7 @@ impl Driver {
         }
         let release = Release { player: self.grant.player.clone(), token: self.grant.token.clone() };
         let key = self.client.keys().srv_release();
-        let asked = self.client.ask_once_with(&key, Some(codec::encode_json(&release)), RELEASE_PATIENCE);
+        let asked = self.client.ask_once_with(&key, Some(&codec::encode_json(&release)), RELEASE_PATIENCE);
         match asked {
             Ok(_) => self.shared.lock().window.end("released"),
             // Its silence frees it, a little later.

@@ -7,7 +7,7 @@ use super::budget::Source;
 use super::services::Gate;
 use crate::players::{LOOK_EVERY, Players};
 use protocol::codec;
-use protocol::command::{Refusal, code};
+use protocol::command::{CommandFault, Refusal, Reply, code};
 use protocol::keys::{Keys, Role};
 use protocol::player::{Claim, Claimed, Release};
 use std::sync::Arc;
@@ -50,45 +50,43 @@ impl Driving {
     }
 }
 
-/// Spends from the budget, reads, and goes on; or answers why not.
-fn question(
-    gate: &Arc<Gate>,
-    ask: fn(&Arc<Gate>, Query, &[u8]) -> Result<(), (Query, Refusal)>,
-) -> impl Fn(Query) + Send + Sync + 'static {
+/// What is asked, once the budget allows it.
+fn question(gate: &Arc<Gate>, ask: fn(&Arc<Gate>, Query, &[u8])) -> impl Fn(Query) + Send + Sync + 'static {
     let gate = gate.clone();
     move |query: Query| {
         let bytes = query.payload().map(|payload| payload.to_bytes().into_owned()).unwrap_or_default();
-        let asked = match gate.spend(&Source::Commands) {
-            Ok(()) => {
-                ask(&gate, query, &bytes).map_err(|(query, why)| (query, gate.refuse(why.code, why.why)))
-            }
-            Err(why) => Err((query, why)),
-        };
-        if let Err((query, why)) = asked {
-            gate.give(query, Answer::Reply(why.into()));
+        match gate.spend(&Source::Commands) {
+            Ok(()) => ask(&gate, query, &bytes),
+            Err(why) => gate.give(query, Answer::Reply(why.into())),
         }
     }
 }
 
-fn claim(gate: &Arc<Gate>, query: Query, bytes: &[u8]) -> Result<(), (Query, Refusal)> {
-    let claim = match Claim::from_json(bytes) {
-        Ok(claim) => claim,
-        Err(e) => return Err((query, Refusal::new(code::MALFORMED, e.to_string()))),
-    };
-    let way_back = gate.clone();
-    let answer = move |claimed: Claimed| way_back.give(query, Answer::Claimed(claimed));
-    gate.players.claim(claim, &gate.latest.stage(), Box::new(answer));
-    Ok(())
+fn malformed(gate: &Gate, query: Query, why: &CommandFault) {
+    let why = gate.refuse(code::MALFORMED, why.to_string());
+    gate.give(query, Answer::Reply(why.into()));
 }
 
-fn release(gate: &Arc<Gate>, query: Query, bytes: &[u8]) -> Result<(), (Query, Refusal)> {
-    let release = match Release::from_json(bytes) {
-        Ok(release) => release,
-        Err(e) => return Err((query, Refusal::new(code::MALFORMED, e.to_string()))),
-    };
-    let way_back = gate.clone();
-    gate.players.release(&release, Box::new(move |reply| way_back.give(query, Answer::Reply(reply.clone()))));
-    Ok(())
+fn claim(gate: &Arc<Gate>, query: Query, bytes: &[u8]) {
+    match Claim::from_json(bytes) {
+        Ok(claim) => {
+            let way_back = gate.clone();
+            let answer = move |claimed: Claimed| way_back.give(query, Answer::Claimed(claimed));
+            gate.players.claim(claim, &gate.latest.stage(), Box::new(answer));
+        }
+        Err(why) => malformed(gate, query, &why),
+    }
+}
+
+fn release(gate: &Arc<Gate>, query: Query, bytes: &[u8]) {
+    match Release::from_json(bytes) {
+        Ok(release) => {
+            let way_back = gate.clone();
+            let answer = move |reply: &Reply| way_back.give(query, Answer::Reply(reply.clone()));
+            gate.players.release(&release, Box::new(answer));
+        }
+        Err(why) => malformed(gate, query, &why),
+    }
 }
 
 fn drives(session: &Session, keys: &Keys, gate: &Arc<Gate>) -> Result<Subscriber<()>, NetworkError> {

@@ -6,9 +6,11 @@
 //!
 //! | file | what |
 //! |---|---|
+//! | `balls` | which ball a claim means, and why it cannot be had |
 //! | `held` | one claim: which commands have come, and what became of them |
 //! | `tally` | which numbered messages have come |
 
+mod balls;
 mod held;
 mod tally;
 
@@ -17,6 +19,7 @@ use crate::simulation::{NumberedHit, Stage};
 use crate::wanted::When;
 use crate::workshop::Ready;
 use ballroom_physics::HitPartner;
+use balls::{free_ball, holder, is_players, players_balls, taken, wanted_ball};
 use held::Held;
 use protocol::command::{Command, Direction, DirectionName, Refusal, Reply, SteerMode, code};
 use protocol::keys::Name;
@@ -61,10 +64,6 @@ struct Claims {
 }
 
 impl Claims {
-    fn holder(&self, ball: &str) -> Option<&Name> {
-        self.held.iter().find(|(_, held)| held.ball == ball).map(|(player, _)| player)
-    }
-
     fn get(&mut self, player: &Name, claim: u64) -> Option<&mut Held> {
         self.held.get_mut(player).filter(|held| held.id == claim)
     }
@@ -115,8 +114,8 @@ impl Players {
             return Err(Refusal::new(code::TOO_MANY, format!("{MAX_PLAYERS} players play already")));
         }
         let ball = match ball {
-            Some(ball) => wanted_ball(&claims, stage, ball)?,
-            None => free_ball(&claims, stage)?,
+            Some(ball) => wanted_ball(&claims.held, stage, ball)?,
+            None => free_ball(&claims.held, stage)?,
         };
         claims.count += 1;
         let id = claims.count;
@@ -211,7 +210,9 @@ impl Players {
             self.inbox.offer(Request { command, ready: Ready::Nothing, answer: Some(done) })
         {
             self.inbox.count_refused();
-            answer.into_iter().for_each(|done| done(&why.clone().into()));
+            if let Some(done) = answer {
+                done(&why.into());
+            }
         }
     }
 
@@ -228,7 +229,7 @@ impl Players {
         let mut claims = self.lock();
         let held = claims.proven(player, &drive.token)?;
         held.hear(&drive);
-        for sent in drive.sent {
+        for sent in &drive.sent {
             match sent.seq.cmp(&held.next_seq) {
                 Ordering::Less => {}
                 // Something is missing before it, or there is no room: it will be sent again.
@@ -247,8 +248,8 @@ impl Players {
     }
 
     /// Passes the expected command on to its tick, or refuses it for good; false when there is no room at present.
-    fn pass_on(self: &Arc<Self>, player: &Name, held: &mut Held, sent: Sent) -> bool {
-        let Sent { seq, tick, epoch, direction, mode } = sent;
+    fn pass_on(self: &Arc<Self>, player: &Name, held: &mut Held, sent: &Sent) -> bool {
+        let Sent { seq, tick, epoch, direction, mode } = *sent;
         let (players, id, player) = (self.clone(), held.id, player.clone());
         let answer: Answer = Box::new(move |reply| players.acted(&player, id, Acted::of(seq, reply)));
         let command = Command::Steer { ball: Some(held.ball.clone()), direction, mode };
@@ -279,7 +280,7 @@ impl Players {
         }
         let first = if ball.is_none() { players_balls(&stage()).into_iter().next() } else { None };
         let Some(ball) = ball.or(first.as_deref()) else { return Ok(()) };
-        claims.holder(ball).map_or(Ok(()), |player| Err(taken(ball, player)))
+        holder(&claims.held, ball).map_or(Ok(()), |player| Err(taken(ball, player)))
     }
 
     /// Counts hits of claimed balls.
@@ -369,48 +370,6 @@ impl Players {
             claims = self.news.wait_timeout(claims, left).unwrap_or_else(PoisonError::into_inner).0;
         }
     }
-}
-
-fn taken(ball: &str, player: &Name) -> Refusal {
-    Refusal::new(code::INCORRECT_STATE, format!("{ball:?} is driven by {player}"))
-}
-
-fn is_players(roster: &Roster, ball: &str) -> bool {
-    let found = roster.names.binary_search_by(|known| known.as_str().cmp(ball));
-    found.is_ok_and(|ball| roster.player[ball])
-}
-
-/// The balls that may be steered, those of the scene first and in its order.
-fn players_balls(Stage { scene, roster, .. }: &Stage) -> Vec<String> {
-    let own = scene.balls.iter().map(|ball| &ball.name).filter(|name| is_players(roster, name));
-    let is_other = |name: &&String| is_players(roster, name) && !scene.balls.iter().any(|b| b.name == **name);
-    own.chain(roster.names.iter().filter(is_other)).cloned().collect()
-}
-
-/// A ball asked for by name, if it is free.
-fn wanted_ball(claims: &Claims, stage: &Stage, ball: String) -> Result<String, Refusal> {
-    if !is_players(&stage.roster, &ball) {
-        let known = players_balls(stage);
-        let known: Vec<&str> = known.iter().map(String::as_str).take(8).collect();
-        let why = format!("{ball:?} is no player's ball; those are {}", known.join(", "));
-        return Err(Refusal::new(code::NOT_FOUND, why));
-    }
-    match claims.holder(&ball) {
-        Some(player) => Err(taken(&ball, player)),
-        None => Ok(ball),
-    }
-}
-
-fn free_ball(claims: &Claims, stage: &Stage) -> Result<String, Refusal> {
-    let balls = players_balls(stage);
-    if balls.is_empty() {
-        return Err(Refusal::new(code::NOT_FOUND, "the scene has no player's ball"));
-    }
-    balls.into_iter().find(|ball| claims.holder(ball).is_none()).ok_or_else(|| {
-        let held = claims.held.iter().map(|(player, held)| format!("{:?} by {player}", held.ball));
-        let why = format!("no ball is free: {}", held.take(8).collect::<Vec<_>>().join(", "));
-        Refusal::new(code::INCORRECT_STATE, why)
-    })
 }
 
 #[cfg(test)]
