@@ -92,7 +92,7 @@ enum News {
 }
 
 /// Follows the arena on a thread of its own, so that keys never wait for an answer.
-fn listen(client: Client, mut follower: Follower, abort: Abort) -> anyhow::Result<Receiver<(News, Instant)>> {
+fn listen(client: Client, follower: Follower, abort: Abort) -> anyhow::Result<Receiver<(News, Instant)>> {
     let (sender, news) = sync_channel(MAX_NEWS);
     let (telling, end) = (sender.clone(), abort.clone());
     std::thread::Builder::new().name("ask".into()).spawn(move || {
@@ -102,7 +102,7 @@ fn listen(client: Client, mut follower: Follower, abort: Abort) -> anyhow::Resul
         }
     })?;
     std::thread::Builder::new().name("follow".into()).spawn(move || {
-        while let Some(update) = follower.next() {
+        for update in follower {
             // What does not fit is overtaken by what follows, but for a world.
             let update = (News::Update(update), Instant::now());
             if matches!(update.0, News::Update(Update::World(_))) {
@@ -155,7 +155,9 @@ impl Table {
                 return Ok(());
             }
             self.fulfil(wish)?;
-            news.try_iter().for_each(|(news, came)| self.learn(news, came));
+            for (news, came) in news.try_iter() {
+                self.learn(news, came);
+            }
             for acted in self.driver.acked() {
                 self.latency.acted(&acted);
             }

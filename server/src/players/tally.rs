@@ -52,7 +52,9 @@ mod tests {
 
     fn after(numbers: &[u64]) -> (u64, u64, u64) {
         let mut tally = Tally::default();
-        numbers.iter().for_each(|number| tally.hear(*number));
+        for number in numbers {
+            tally.hear(*number);
+        }
         (tally.came, tally.repeated, tally.lost())
     }
 
