@@ -5,10 +5,16 @@
 //! | `process` | a program of this workspace, running; it cannot outlive its test |
 //! | `server` | `ballroom serve` on a free port, and its twin without a network |
 //! | `ride` | a Rerun recording, read back |
+//! | `crowd` | ten clients that misbehave, each a process |
+//! | `noise` | bytes without meaning |
 //! | `wait` | waiting with a bound, and taking turns |
 //!
 //! Every wait has a bound and says what it waited for. Signals make this Unix only.
 
+#[path = "harness/crowd.rs"]
+mod crowd;
+#[path = "harness/noise.rs"]
+mod noise;
 #[path = "harness/process.rs"]
 mod process;
 #[path = "harness/ride.rs"]
@@ -18,7 +24,9 @@ mod server;
 #[path = "harness/wait.rs"]
 mod wait;
 
+pub use crowd::Crowd;
+pub use noise::Noise;
 pub use process::{Output, Process, run};
 pub use ride::{Ride, Row};
 pub use server::{BallState, Server, State, connect, simulate};
-pub use wait::{PATIENCE, turn, until};
+pub use wait::{PATIENCE, in_one_of_three_tries, turn, until};

@@ -4,6 +4,8 @@
 mod commands;
 #[path = "system/hostile.rs"]
 mod hostile;
+#[path = "system/isolation.rs"]
+mod isolation;
 #[path = "system/processes.rs"]
 mod processes;
 #[path = "system/recordings.rs"]

@@ -32,6 +32,7 @@
 
 use crate::command::{Command, CommandFault};
 use crate::event::Events;
+use crate::scene::MAX_TAGS;
 use crate::snapshot::{Collisions, Snapshot, World};
 use ciborium::tag::Captured;
 use serde::de::DeserializeOwned;
@@ -64,7 +65,8 @@ const TAG_F64_LE: u64 = 86;
 
 // Every array of a largest frame, the fixed fields and the keys fit.
 const _: () = assert!(MAX_BALLS * 80 + 4096 <= MAX_STATE_BYTES);
-const _: () = assert!(MAX_BALLS * (120 + 2 * MAX_BALL_NAME_BYTES + 200) <= MAX_WORLD_BYTES);
+const _: () =
+    assert!(MAX_BALLS * (120 + 2 * MAX_BALL_NAME_BYTES + 200 + 9 * (MAX_TAGS + 1)) <= MAX_WORLD_BYTES);
 
 /// Why bytes were refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -184,14 +186,19 @@ pub fn decode_world(bytes: &[u8]) -> Result<World, CodecError> {
 fn check_world(world: &World) -> Result<(), CodecError> {
     let n = world.snapshot.center_m.len();
     let r = &world.roster;
-    let lengths = [r.names.len(), r.radius_m.len(), r.mass_kg.len(), r.color_rgb.len(), r.player.len()];
-    if lengths.iter().any(|&length| length != n) {
+    let numbers = [&r.radius_m, &r.mass_kg, &r.inertia_factor];
+    let lengths = [r.names.len(), r.color_rgb.len(), r.player.len()];
+    if lengths.into_iter().chain(numbers.map(Vec::len)).any(|length| length != n) {
         return Err(CodecError::Array { field: "roster", what: "has not one entry a ball" });
     }
     if r.names.iter().any(|name| name.len() > MAX_BALL_NAME_BYTES) {
         return Err(CodecError::Array { field: "roster.names", what: "holds a name of more than 64 bytes" });
     }
-    if !r.radius_m.iter().chain(&r.mass_kg).all(|x| x.is_finite()) {
+    let places = r.tags.values().flatten().chain(&r.spawned);
+    if places.copied().any(|place| place >= n) {
+        return Err(CodecError::Array { field: "roster.tags", what: "names a ball that is not there" });
+    }
+    if !numbers.into_iter().flatten().all(|x| x.is_finite()) {
         return Err(CodecError::NotFinite("roster"));
     }
     // The scene is a tree of many kinds of numbers; as a plain value they are all alike.

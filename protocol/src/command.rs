@@ -4,9 +4,14 @@
 //! just put ([`Command::max_bytes`]). For a hand at the keyboard there is a short form of steering:
 //! `{"key":"up"}` is one press, `{"key":"up","down":true}` a key held, `{"key":"up","down":false}` the key let go.
 
-use crate::codec::{MAX_BALL_NAME_BYTES, MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
+use crate::change::{self, PointMove, check_name};
+use crate::codec::{MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
+use crate::listing::Selection;
+use crate::parameter::Value;
 pub use crate::reply::{Refusal, Reply, code};
+use crate::scene::Ball;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A request. In JSON: `{"cmd":"steer","direction":"up"}`, `{"cmd":"pause"}`, `{"cmd":"step","ticks":5}`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,10 +57,40 @@ pub enum Command {
         /// How many.
         factor: SpeedFactor,
     },
-    /// Put balls elsewhere, with another velocity or spin: all of them, or none.
+    /// Put balls elsewhere, with another velocity or spin: all of them, or none. Either each its own, or all that are
+    /// selected alike.
     SetBalls {
-        /// Which, 1 to 1024 of them.
+        /// Each its own, 1 to 1024 of them.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
         balls: Vec<BallSetting>,
+        /// Which, at the tick at which it acts.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        select: Option<Selection>,
+        /// Velocity of those, projected to the tangent plane.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        velocity_m_per_s: Option<[f64; 3]>,
+        /// Spin of those about the floor's normal.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        spin_rad_per_s: Option<f64>,
+    },
+    /// Add balls, shaped as in a scene file: all of them, or none. A new epoch; the clock goes on.
+    Spawn {
+        /// Which, 1 to 1024 of them.
+        balls: Vec<Ball>,
+    },
+    /// Remove the balls that meet every condition at the tick at which it acts; all that are named must be there. A new
+    /// epoch; the clock goes on.
+    Delete(Selection),
+    /// Move control points of the floor: all of them, or none. Balls keep x, y, spin and orientation. A new epoch; the
+    /// clock goes on.
+    MoveControlPoints {
+        /// Which, each once.
+        points: Vec<PointMove>,
+    },
+    /// Set numbers of the scene: all of them, or none. A new epoch; the clock goes on.
+    SetParameters {
+        /// By their names in [`Parameters`](crate::parameter::Parameters).
+        values: BTreeMap<String, Value>,
     },
     /// Go on with another scene; a new epoch.
     LoadScene {
@@ -79,7 +114,7 @@ pub enum Scope {
     Time,
     /// Places, velocities, spins and orientations; the clock goes on. The energy this takes counts as steering work.
     State,
-    /// What was not in the scene; refused as long as nothing can be spawned.
+    /// Balls that were spawned: they go. A new epoch if there were any; the clock goes on.
     Spawned,
 }
 
@@ -174,6 +209,11 @@ impl From<Press> for Command {
 }
 
 impl Command {
+    /// Balls set each its own.
+    pub const fn set_balls(balls: Vec<BallSetting>) -> Self {
+        Self::SetBalls { balls, select: None, velocity_m_per_s: None, spin_rad_per_s: None }
+    }
+
     /// Reads and checks one line of JSON in the long or the short form.
     pub fn from_json(text: &str) -> Result<Self, CommandFault> {
         // Which form it is decides whose complaint is the helpful one.
@@ -194,7 +234,11 @@ impl Command {
     /// Longest that it may be in JSON, bytes.
     pub const fn max_bytes(&self) -> usize {
         match self {
-            Self::SetBalls { .. } | Self::LoadScene { .. } => MAX_REQUEST_BYTES,
+            Self::SetBalls { .. }
+            | Self::Spawn { .. }
+            | Self::Delete(_)
+            | Self::MoveControlPoints { .. }
+            | Self::LoadScene { .. } => MAX_REQUEST_BYTES,
             _ => MAX_COMMAND_BYTES,
         }
     }
@@ -202,7 +246,20 @@ impl Command {
     /// Whether something has to be made ready before a tick can obey it. What is made ready acts in its own order; other
     /// commands overtake it.
     pub const fn needs_preparing(&self) -> bool {
-        matches!(self, Self::SetBalls { .. } | Self::LoadScene { .. } | Self::Reset { .. })
+        matches!(self, Self::SetBalls { .. }) || self.may_change_world()
+    }
+
+    /// Whether who the balls are or what the scene is may be other once it has acted.
+    pub const fn may_change_world(&self) -> bool {
+        matches!(
+            self,
+            Self::Spawn { .. }
+                | Self::Delete(_)
+                | Self::MoveControlPoints { .. }
+                | Self::SetParameters { .. }
+                | Self::LoadScene { .. }
+                | Self::Reset { .. }
+        )
     }
 
     /// Whether its numbers make sense.
@@ -225,10 +282,19 @@ impl Command {
                 let [low, high] = SPEED_FACTORS;
                 fault(format!("factor is {factor}: use {low} to {high}, or \"max\""))
             }
-            Self::SetBalls { balls } if !(1..=MAX_SET_BALLS).contains(&balls.len()) => {
-                fault(format!("{} balls are set at once: use 1 to {MAX_SET_BALLS}", balls.len()))
+            Self::SetBalls { balls, select, velocity_m_per_s, spin_rad_per_s } => {
+                let alike = BallSetting {
+                    name: "selected".into(),
+                    center_m: None,
+                    velocity_m_per_s: *velocity_m_per_s,
+                    spin_rad_per_s: *spin_rad_per_s,
+                };
+                check_settings(balls, select.as_ref(), &alike)
             }
-            Self::SetBalls { balls } => balls.iter().try_for_each(BallSetting::check),
+            Self::Spawn { balls } => change::check_spawn(balls),
+            Self::Delete(selection) => change::check_selection(selection),
+            Self::MoveControlPoints { points } => change::check_points(points),
+            Self::SetParameters { values } => change::check_values(values),
             Self::LoadScene { name, toml } if name.is_some() == toml.is_some() => {
                 fault("give either the name of a scene or its toml".into())
             }
@@ -237,11 +303,26 @@ impl Command {
     }
 }
 
-fn check_name(name: &str) -> Result<(), CommandFault> {
-    if name.is_empty() || name.len() > MAX_BALL_NAME_BYTES {
-        return Err(CommandFault("ball is a name of 1 to 64 bytes".into()));
+/// Either a list or a selection, and something to set.
+fn check_settings(
+    balls: &[BallSetting],
+    select: Option<&Selection>,
+    alike: &BallSetting,
+) -> Result<(), CommandFault> {
+    let fault = |why: String| Err(CommandFault(why));
+    let nothing = alike.velocity_m_per_s.is_none() && alike.spin_rad_per_s.is_none();
+    match select {
+        Some(_) if !balls.is_empty() => fault("give either balls or select".into()),
+        Some(_) if nothing => fault("select needs velocity_m_per_s or spin_rad_per_s beside it".into()),
+        Some(select) => change::check_selection(select).and_then(|()| alike.check()),
+        None if !nothing => {
+            fault("velocity_m_per_s and spin_rad_per_s stand in each of balls, or beside select".into())
+        }
+        None if !(1..=MAX_SET_BALLS).contains(&balls.len()) => {
+            fault(format!("{} balls are set at once: use 1 to {MAX_SET_BALLS}", balls.len()))
+        }
+        None => balls.iter().try_for_each(BallSetting::check),
     }
-    Ok(())
 }
 
 impl BallSetting {
@@ -357,14 +438,29 @@ mod tests {
             Command::Reset { scope: Scope::Time, seed: Some(7) },
             Command::Speed { factor: SpeedFactor::Times(0.5) },
             Command::Speed { factor: SpeedFactor::Named(SpeedName::Max) },
-            Command::SetBalls { balls: vec![BallSetting { name: "red".into(), ..BallSetting::default() }] },
+            Command::set_balls(vec![BallSetting { name: "red".into(), ..BallSetting::default() }]),
+            Command::set_balls(vec![BallSetting {
+                name: "red".into(),
+                center_m: Some([0.1, -0.2]),
+                velocity_m_per_s: Some([1.0, 2.0, 0.0]),
+                spin_rad_per_s: Some(-3.0),
+            }]),
             Command::SetBalls {
-                balls: vec![BallSetting {
-                    name: "red".into(),
-                    center_m: Some([0.1, -0.2]),
-                    velocity_m_per_s: Some([1.0, 2.0, 0.0]),
-                    spin_rad_per_s: Some(-3.0),
-                }],
+                balls: vec![],
+                select: Some(Selection { tag: Some("x".into()), ..Selection::default() }),
+                velocity_m_per_s: Some([0.0; 3]),
+                spin_rad_per_s: None,
+            },
+            Command::Delete(Selection { names: vec!["red".into()], ..Selection::default() }),
+            Command::MoveControlPoints {
+                points: vec![PointMove { row: 0, column: 2, to_m: [0.0, 1.0, -2.5] }],
+            },
+            Command::SetParameters {
+                values: [
+                    ("restitution".to_owned(), Value::Number(0.9)),
+                    ("gravity_m_per_s2".to_owned(), Value::Vector([0.0, 0.0, -1.6])),
+                ]
+                .into(),
             },
             Command::LoadScene { name: Some("bowl".into()), toml: None },
             Command::LoadScene { name: None, toml: Some("version = 1".into()) },
@@ -374,6 +470,16 @@ mod tests {
             assert_eq!(Command::from_json(&text).unwrap(), command, "{text}");
         }
         let reads = |text: &str| Command::from_json(text).unwrap();
+        let spawn = r#"{"cmd":"spawn","balls":[{"name":"b1","center_m":[0,0.5],"radius_m":0.1,"mass_kg":1,"inertia":"hollow","tags":["x"]}]}"#;
+        assert_eq!(reads(&serde_json::to_string(&reads(spawn)).unwrap()), reads(spawn));
+        assert_eq!(
+            reads(r#"{"cmd":"delete","spawned":true,"within_m":[-1,-1,1,1]}"#),
+            Command::Delete(Selection {
+                spawned: Some(true),
+                within_m: Some([-1.0, -1.0, 1.0, 1.0]),
+                ..Selection::default()
+            })
+        );
         assert_eq!(reads(r#"{"cmd":"step"}"#), Command::Step { ticks: 1 });
         assert_eq!(reads(r#"{"cmd":"reset"}"#), Command::Reset { scope: Scope::All, seed: None });
     }
@@ -411,6 +517,25 @@ mod tests {
             r#"{"cmd":"set_balls","balls":[{"name":"a","mass_kg":1}]}"#,
             r#"{"cmd":"set_balls","balls":[{"name":"a","center_m":[0,0,0]}]}"#,
             r#"{"cmd":"set_balls","balls":[{"name":"a","center_m":[0,1e7]}]}"#,
+            r#"{"cmd":"set_balls","select":{"tag":"x"}}"#,
+            r#"{"cmd":"set_balls","select":{},"spin_rad_per_s":0}"#,
+            r#"{"cmd":"set_balls","select":{"tag":"x"},"velocity_m_per_s":[0,0,1e7]}"#,
+            r#"{"cmd":"set_balls","select":{"tag":"x"},"spin_rad_per_s":0,"balls":[{"name":"a"}]}"#,
+            r#"{"cmd":"set_balls","balls":[{"name":"a"}],"spin_rad_per_s":0}"#,
+            r#"{"cmd":"spawn","balls":[]}"#,
+            r#"{"cmd":"spawn","balls":[{"name":"a"}]}"#,
+            r#"{"cmd":"spawn","balls":[{"name":"","radius_m":1,"mass_kg":1}]}"#,
+            r#"{"cmd":"delete"}"#,
+            r#"{"cmd":"delete","name":"a"}"#,
+            r#"{"cmd":"delete","tag":"A tag"}"#,
+            r#"{"cmd":"delete","within_m":[1,0,0,1]}"#,
+            r#"{"cmd":"delete","names":[""]}"#,
+            r#"{"cmd":"move_control_points","points":[]}"#,
+            r#"{"cmd":"move_control_points","points":[{"row":-1,"column":0,"to_m":[0,0,0]}]}"#,
+            r#"{"cmd":"move_control_points","points":[{"row":0,"column":0,"to_m":[0,0,1e7]}]}"#,
+            r#"{"cmd":"move_control_points","points":[{"row":0,"column":0,"to_m":[0,0,1]},{"row":0,"column":0,"to_m":[0,0,1]}]}"#,
+            r#"{"cmd":"set_parameters","values":{}}"#,
+            r#"{"cmd":"set_parameters","values":{"restitution":null}}"#,
             r#"{"cmd":"load_scene"}"#,
             r#"{"cmd":"load_scene","name":"bowl","toml":""}"#,
             r#"{"cmd":"steer","direction":[1,1]}"#,

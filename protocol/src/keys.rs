@@ -14,7 +14,8 @@
 //! | `srv/scene` | anyone, asked | the scene, JSON |
 //! | `srv/stats` | anyone, asked | the newest statistics, JSON |
 //! | `srv/info` | anyone, asked | frames, units, versions, JSON |
-//! | `srv/balls` | anyone, asked | some or all [`Balls`](crate::listing::Balls): `?name=a;name=b`, `?player=true`, `?within=x0,y0,x1,y1`, JSON |
+//! | `srv/balls` | anyone, asked | some or all [`Balls`](crate::listing::Balls): `?name=a;name=b`, `?player=true`, `?tag=x`, `?spawned=true`, `?within=x0,y0,x1,y1`, JSON |
+//! | `srv/parameters` | anyone, asked | [`Parameters`](crate::parameter::Parameters) of the scene: value, unit, range, whether it may be set, JSON |
 //! | `srv/features` | anyone, asked | [`Features`](crate::listing::Features): what is supported, with limits, JSON |
 //! | `srv/scenes` | anyone, asked | [`Scenes`](crate::listing::Scenes) that come with the program, JSON |
 //! | `srv/claim` | anyone, asked | a [`Claim`](crate::player::Claim) in, [`Claimed`](crate::player::Claimed) out, JSON |
@@ -218,6 +219,11 @@ impl Keys {
     /// Some or all balls.
     pub fn srv_balls(&self) -> String {
         self.under("srv/balls")
+    }
+
+    /// Numbers of the scene.
+    pub fn srv_parameters(&self) -> String {
+        self.under("srv/parameters")
     }
 
     /// What is supported.

@@ -5,6 +5,8 @@
 //! | [`scene`] | the scene file, version 1: what people write and viewers draw |
 //! | [`scene_text`] | TOML to a scene, with errors that name file, line and field |
 //! | [`command`] | what a client may ask of a running arena, and the answer |
+//! | [`change`] | what of a world a command may change |
+//! | [`parameter`] | numbers of a scene that may be read, and some of them set |
 //! | [`reply`] | done at which tick, or why not, with a code |
 //! | [`player`] | who drives which ball, and what they say while they do |
 //! | [`snapshot`] | the state of all balls at a tick |
@@ -15,12 +17,14 @@
 //! | [`keys`] | the names under which all this travels |
 //! | [`codec`] | bytes to values and back; every limit on size stands there |
 
+pub mod change;
 pub mod codec;
 pub mod command;
 pub mod event;
 pub mod info;
 pub mod keys;
 pub mod listing;
+pub mod parameter;
 pub mod player;
 pub mod reply;
 pub mod scene;

@@ -240,7 +240,13 @@ pub struct Ball {
     /// Whether a player may steer it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub player: bool,
+    /// What to select it by, at most [`MAX_TAGS`], each 1 to 32 of `a-z`, `0-9`, `_` and `-`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tags: Vec<String>,
 }
+
+/// Most tags of a ball.
+pub const MAX_TAGS: usize = 8;
 
 /// Moment of inertia over m r^2: a number, or the name of one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -305,4 +311,7 @@ pub struct Cloud {
     /// Root mean square of the speed; directions are uniform.
     #[serde(default)]
     pub speed_rms_m_per_s: f64,
+    /// What to select its balls by, as a [`Ball`]'s.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tags: Vec<String>,
 }

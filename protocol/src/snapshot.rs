@@ -1,14 +1,17 @@
 //! The state of all balls at a tick. Arrays have one entry a ball, in the order of `Roster::names`.
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// All balls at one tick.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Snapshot {
-    /// Changes with every start and reset of the arena; ticks of different epochs do not compare.
+    /// Changes with every start and reset of the arena, and whenever who the balls are or what the scene is was changed from
+    /// outside: who sees another one asks for the world again.
     pub epoch: u64,
-    /// Number of the tick since the epoch began.
+    /// Number of the tick since the clock began; an epoch that a reset or another scene begins has it begin at 0, any other
+    /// lets it go on.
     pub tick: u64,
     /// Simulated time.
     pub time_s: f64,
@@ -18,9 +21,10 @@ pub struct Snapshot {
     pub paused: bool,
     /// Total energy: translation, rotation, height.
     pub energy_j: f64,
-    /// Energy that players have put in since the epoch began; energy less this is constant while hits are elastic.
+    /// Energy put in from outside since tick 0: by steering, and by setting, adding and removing balls or changing the scene
+    /// under them. Energy less this is constant while hits are elastic.
     pub steering_work_j: f64,
-    /// Ball-ball and ball-wall hits since the epoch began.
+    /// Ball-ball and ball-wall hits since tick 0.
     pub collisions: Collisions,
     /// Hash of everything that influences the future; 16 hexadecimal digits in JSON, where not every reader holds 64 bits.
     #[serde(with = "hex")]
@@ -57,10 +61,35 @@ pub struct Roster {
     pub radius_m: Vec<f64>,
     /// Masses.
     pub mass_kg: Vec<f64>,
+    /// Moments of inertia over m r^2, 0 to 2/3.
+    pub inertia_factor: Vec<f64>,
     /// Red, green, blue.
     pub color_rgb: Vec<[u8; 3]>,
     /// Whether a player may steer it.
     pub player: Vec<bool>,
+    /// The balls that have a tag, by their places in the lists above, ascending.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub tags: BTreeMap<String, Vec<usize>>,
+    /// Those that were spawned, likewise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub spawned: Vec<usize>,
+}
+
+impl Roster {
+    /// The place of the ball of a name.
+    pub fn place_of(&self, name: &str) -> Option<usize> {
+        self.names.binary_search_by(|known| known.as_str().cmp(name)).ok()
+    }
+
+    /// Whether the ball at a place has a tag.
+    pub fn is_tagged(&self, place: usize, tag: &str) -> bool {
+        self.tags.get(tag).is_some_and(|places| places.binary_search(&place).is_ok())
+    }
+
+    /// Whether the ball at a place was spawned.
+    pub fn is_spawned(&self, place: usize) -> bool {
+        self.spawned.binary_search(&place).is_ok()
+    }
 }
 
 /// Everything a late joiner needs.

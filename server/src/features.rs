@@ -5,12 +5,14 @@ use crate::inbox::INBOX_CAPACITY;
 use crate::players::{DRIVES_PER_S, MESSAGES_PER_S};
 use crate::scene_file::{SceneText, built_in_names};
 use crate::workshop::MAX_JOBS;
+use protocol::change::{MAX_CHANGED_BALLS, MAX_MOVED_POINTS, MAX_SET_PARAMETERS};
 use protocol::codec::{MAX_BALLS, MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
 use protocol::command::{MAX_RUN_TICKS, MAX_SET_BALLS, MAX_STEP_TICKS, SPEED_FACTORS};
 use protocol::listing::{Features, MAX_ROWS, SceneEntry, Scenes};
 use protocol::player::{
     LEASE_MILLIS, MAX_CLAIM_BYTES, MAX_DRIVE_BYTES, MAX_PLAYERS, MAX_TICKS_AHEAD, MAX_WINDOW,
 };
+use protocol::scene::MAX_TAGS;
 
 /// What is supported.
 pub fn features() -> Features {
@@ -30,6 +32,10 @@ pub fn features() -> Features {
         ("speed", of(&[queue, short, ("min_factor", slowest), ("max_factor", fastest), rates])),
         ("reset", of(&[jobs, short])),
         ("set_balls", of(&[jobs, long, ("max_balls", MAX_SET_BALLS as f64)])),
+        ("spawn", of(&[jobs, long, ("max_balls", MAX_CHANGED_BALLS as f64), ("max_tags", MAX_TAGS as f64)])),
+        ("delete", of(&[jobs, long, ("max_names", MAX_CHANGED_BALLS as f64)])),
+        ("move_control_points", of(&[jobs, long, ("max_points", MAX_MOVED_POINTS as f64)])),
+        ("set_parameters", of(&[jobs, short, ("max_values", MAX_SET_PARAMETERS as f64)])),
         ("load_scene", of(&[jobs, long, ("max_balls", MAX_BALLS as f64)])),
     ];
     // The rest is of the messages of whoever was given a ball.
@@ -50,6 +56,7 @@ pub fn features() -> Features {
         ("info", of(&[])),
         ("features", of(&[])),
         ("scenes", of(&[])),
+        ("parameters", of(&[])),
         ("balls", of(&[("max_rows", MAX_ROWS as f64)])),
         ("players", of(&[])),
         ("release", of(&[("max_bytes", MAX_CLAIM_BYTES as f64)])),

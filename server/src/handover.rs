@@ -2,7 +2,7 @@
 //! the tick: the lock is held for swaps, buffers go round, and what does not fit is counted.
 
 use crate::inbox::Answered;
-use crate::simulation::{NumberedHit, Simulation, Stage};
+use crate::simulation::{NumberedHit, Stage};
 use protocol::snapshot::Snapshot;
 use protocol::stats::Stats;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -24,8 +24,8 @@ pub struct Batch {
     pub hits_dropped: u64,
     /// Scenes and rosters that came to be, oldest first; each before the first state of its epoch.
     pub stages: Vec<Stage>,
-    /// Worlds that ended, to be forgotten where nobody waits for it.
-    pub ended_worlds: Vec<Box<Simulation>>,
+    /// Worlds that ended and others that did not come to be, to be forgotten where nobody waits for it.
+    pub ended_worlds: Vec<Box<dyn Send>>,
     /// Replies to be sent.
     pub answers: Vec<Answered>,
     /// Statistics, once a second.
@@ -102,11 +102,14 @@ impl Handover {
         self.filled.notify_one();
     }
 
-    /// Puts out what the next state belongs to, and the world whose place it took.
-    pub fn put_stage(&self, stage: Stage, ended: Box<Simulation>) {
-        let mut shelf = self.lock();
-        shelf.batch.stages.push(stage);
-        shelf.batch.ended_worlds.push(ended);
+    /// Puts out what the next state belongs to.
+    pub fn put_stage(&self, stage: Stage) {
+        self.lock().batch.stages.push(stage);
+    }
+
+    /// Takes a world that ended, or that did not come to be.
+    pub fn forget(&self, ended: Box<dyn Send>) {
+        self.lock().batch.ended_worlds.push(ended);
     }
 
     /// Counts hits that found no room before they came here.

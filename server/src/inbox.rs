@@ -128,6 +128,11 @@ impl Inbox {
         self.lock().closed = true;
     }
 
+    /// Whether it takes no more.
+    pub fn is_closed(&self) -> bool {
+        self.lock().closed
+    }
+
     /// Sleeps until `deadline` or until something waits.
     pub fn wait_until(&self, deadline: Instant) {
         let mut waiting = self.lock();

@@ -8,10 +8,12 @@
 //! |---|---|
 //! | [`scene_file`] | from the text people write to what the engine takes |
 //! | [`simulation`] | commands in, ticks on, states out; no clock, no I/O |
-//! | [`places`] | where the balls of a scene may be put |
-//! | [`bucket`] | how many messages one source may send |
+//! | [`world`] | what of a run no tick changes: scene, floor, who the balls are |
+//! | [`change`] | a world becomes another one while it runs |
+//! | [`parameters`] | numbers of a scene that may be read, and some of them set |
 //! | [`workshop`] | what takes longer than a tick has, made ready on a thread of its own |
 //! | [`features`] | what is understood, with limits |
+//! | [`bucket`] | how many messages one source may send |
 //! | [`inbox`] | commands as they arrive: bounded, in order |
 //! | [`wanted`] | players' commands that wait for their ticks |
 //! | [`players`] | who drives which ball: claims, windows, dead-man |
@@ -26,13 +28,14 @@
 
 pub mod arena;
 pub mod bucket;
+pub mod change;
 pub mod checkpoint_file;
 pub mod features;
 pub mod handover;
 pub mod inbox;
 pub mod meter;
 mod network;
-pub mod places;
+pub mod parameters;
 pub mod players;
 pub mod recording;
 pub mod scene_file;
@@ -41,6 +44,7 @@ pub mod terminal;
 pub mod tick_loop;
 pub mod wanted;
 pub mod workshop;
+pub mod world;
 
 pub use arena::{Arena, ArenaError, ArenaHandle, ArenaOptions};
 pub use network::NetworkError;

@@ -1,11 +1,13 @@
 //! One world: commands in, ticks on, states out. No clock and no I/O: a run is a function of the scene and of the
 //! commands by tick.
 
-use crate::places::Places;
+use crate::change::{Change, meant};
 use crate::scene_file::{LoadedScene, SceneError};
+use crate::world::{Present, World};
 use ballroom_physics::{Checkpoint, CheckpointFault, Controller, Drive, Hit, Seat, Time};
 use nalgebra::{Vector2, Vector3};
-use protocol::command::{Direction, Refusal, Scope, SteerMode};
+use protocol::command::{Direction, Refusal, Scope, SteerMode, code};
+use protocol::listing::Selection;
 use protocol::scene::Scene;
 use protocol::snapshot::{Collisions, Roster, Snapshot};
 use protocol::stats::Stats;
@@ -31,11 +33,10 @@ pub struct Stage {
 
 /// A scene being run.
 pub struct Simulation {
-    loaded: Arc<LoadedScene>,
+    world: Arc<World>,
+    /// The same for others to see.
+    present: Arc<Present>,
     controller: Controller,
-    places: Places,
-    /// The ball meant when a player names none.
-    first_player: Option<usize>,
     tick_rate_hz: u32,
     epoch: u64,
     tick: u64,
@@ -47,53 +48,110 @@ pub struct Simulation {
 impl Simulation {
     /// Sets the scene up at tick 0 of `epoch`, with `tick_rate_hz` ticks a simulated second.
     pub fn new(loaded: Arc<LoadedScene>, tick_rate_hz: u32, epoch: u64) -> Result<Self, SceneError> {
-        let controller = loaded.controller()?;
-        let places = controller.scene_index();
-        let roster = roster(&loaded, places);
-        // Of the scene's own order, not of the engine's.
-        let players = places.iter().enumerate().filter(|&(_, &place)| loaded.cards()[place].player);
-        let first_player = players.min_by_key(|&(_, &place)| place).map(|(id, _)| id);
+        let world = Arc::new(World::new(loaded)?);
+        let controller = world.start().clone();
         let energy_at_start = controller.energy();
         Ok(Self {
-            first_player,
+            present: Arc::new(Present::new(world.clone())),
+            world,
+            controller,
             tick_rate_hz,
             epoch,
             tick: 0,
             energy_at_start,
             held: BTreeMap::new(),
-            loaded,
-            places: Places::new(controller.clone(), roster),
-            controller,
         })
     }
 
-    /// The same scene from its start or from a part of it; as the next epoch, unless the clock goes on.
-    pub fn reset(&mut self, scope: Scope) {
+    /// The same scene from its start or from a part of it; as the next epoch, unless the clock goes on. What was spawned is
+    /// not taken away here: that is a [`Change`].
+    pub fn reset(&mut self, scope: Scope) -> Result<(), Refusal> {
         match scope {
-            Scope::All => self.controller.clone_from(self.places.start()),
-            Scope::Time => self.controller = self.controller.at_time_zero(self.places.start()),
-            Scope::State => self.controller.set_as_in(self.places.start()),
-            Scope::Spawned => {}
+            Scope::All => {
+                self.enter(self.world.origin());
+                self.controller.clone_from(self.world.start());
+            }
+            Scope::Time => self.controller = self.controller.at_time_zero(self.world.start()),
+            Scope::State => {
+                let done = self.controller.set_as_in(self.world.start());
+                done.map_err(|fault| self.world.refusal(&fault))?;
+            }
+            Scope::Spawned => return Ok(()),
         }
-        if scope != Scope::Spawned {
-            self.held.clear();
-        }
+        self.held.clear();
         if matches!(scope, Scope::All | Scope::Time) {
             self.energy_at_start = self.controller.energy();
             self.epoch += 1;
             self.tick = 0;
         }
+        Ok(())
+    }
+
+    /// Goes on in a changed world, as the next epoch whose clock goes on; what was goes there. Refused as a whole where
+    /// balls have no room, or where the change was made for another world.
+    pub fn change(&mut self, change: &mut Change) -> Result<(), Refusal> {
+        self.hold_to(&change.from)?;
+        let went_on = self.controller.go_on_as(&mut change.successor);
+        went_on.map_err(|fault| change.to.refusal(&fault))?;
+        let was = change.successor.was().iter().enumerate();
+        let held = was.filter_map(|(id, was)| Some((id, *self.held.get(was.as_ref()?)?)));
+        self.held = held.collect();
+        self.enter(change.to.clone());
+        self.epoch += 1;
+        Ok(())
+    }
+
+    /// Refuses what was made ready for another world than the present one.
+    fn hold_to(&self, world: &Arc<World>) -> Result<(), Refusal> {
+        if Arc::ptr_eq(world, &self.world) {
+            return Ok(());
+        }
+        let why = "the balls or the scene changed before it could act: ask again";
+        Err(Refusal::new(code::INCORRECT_STATE, why))
+    }
+
+    /// Makes a world the present one.
+    fn enter(&mut self, world: Arc<World>) {
+        self.present.set(world.clone());
+        self.world = world;
+    }
+
+    /// The change that removes the balls selected now.
+    pub fn deletion(&self, selection: &Selection) -> Result<Change, Refusal> {
+        let ids = meant(&self.world, selection, |ball| self.center_m(ball))?;
+        Change::delete(&self.world, &ids)
+    }
+
+    fn center_m(&self, ball: usize) -> [f64; 2] {
+        self.controller.balls()[ball].center.xy().into()
     }
 
     /// Goes on as `next` from its start, as the next epoch; what was goes there.
     pub fn give_way_to(&mut self, next: &mut Self) {
         next.epoch = self.epoch + 1;
         std::mem::swap(self, next);
+        // Who looks for the present world goes on looking here.
+        std::mem::swap(&mut self.present, &mut next.present);
+        self.present.set(self.world.clone());
     }
 
-    /// Sets balls anew, all of them or none.
-    pub fn set_balls(&mut self, seats: &[Seat]) -> Result<(), Refusal> {
-        self.controller.set_balls(seats).map_err(|fault| self.places.refusal(&fault))
+    /// Sets balls anew, all of them or none, whose places were found in `world`.
+    pub fn set_balls(&mut self, world: &Arc<World>, seats: &[Seat]) -> Result<(), Refusal> {
+        self.hold_to(world)?;
+        self.controller.set_balls(seats).map_err(|fault| self.world.refusal(&fault))
+    }
+
+    /// Gives all balls that are selected now the same velocity or spin, or none of them.
+    pub fn set_selected(
+        &mut self,
+        selection: &Selection,
+        velocity: Option<Vector3<f64>>,
+        spin: Option<f64>,
+    ) -> Result<(), Refusal> {
+        let balls = meant(&self.world, selection, |ball| self.center_m(ball))?;
+        let seats: Vec<Seat> =
+            balls.into_iter().map(|ball| Seat { ball, spot: None, velocity, spin }).collect();
+        self.controller.set_balls(&seats).map_err(|fault| self.world.refusal(&fault))
     }
 
     /// The first tick at or after a simulated time.
@@ -152,7 +210,7 @@ impl Simulation {
             return Ok(());
         };
         let direction = Vector2::new(x, y);
-        let steering = self.loaded.scene().steering;
+        let steering = self.world.loaded().scene().steering;
         let speed_limit = steering.speed_limit_m_per_s;
         match mode {
             SteerMode::Impulse => {
@@ -170,7 +228,10 @@ impl Simulation {
 
     fn steered(&self, name: Option<&str>) -> Result<usize, String> {
         let Some(name) = name else {
-            return self.first_player.ok_or_else(|| "the scene has no player's ball to steer".to_owned());
+            return self
+                .world
+                .first_player()
+                .ok_or_else(|| "the scene has no player's ball to steer".to_owned());
         };
         let players = || self.roster().names.iter().zip(&self.roster().player).filter(|(_, player)| **player);
         match self.roster().names.binary_search_by(|known| known.as_str().cmp(name)) {
@@ -233,23 +294,28 @@ impl Simulation {
     }
 
     /// Who the balls are, by id.
-    pub const fn roster(&self) -> &Arc<Roster> {
-        self.places.roster()
+    pub fn roster(&self) -> &Arc<Roster> {
+        self.world.roster()
     }
 
-    /// Where its balls may be put.
-    pub const fn places(&self) -> &Places {
-        &self.places
+    /// What of it no tick changes.
+    pub const fn world(&self) -> &Arc<World> {
+        &self.world
+    }
+
+    /// Where to see which world is the present one.
+    pub const fn present(&self) -> &Arc<Present> {
+        &self.present
     }
 
     /// What its states belong to.
     pub fn stage(&self) -> Stage {
-        Stage { epoch: self.epoch, scene: self.loaded.scene().clone(), roster: self.roster().clone() }
+        Stage { epoch: self.epoch, scene: self.world.loaded().scene().clone(), roster: self.roster().clone() }
     }
 
     /// The scene it runs.
-    pub const fn loaded(&self) -> &Arc<LoadedScene> {
-        &self.loaded
+    pub fn loaded(&self) -> &Arc<LoadedScene> {
+        self.world.loaded()
     }
 
     /// Number of the last tick.
@@ -275,17 +341,6 @@ fn refill<T>(out: &mut Vec<T>, items: impl Iterator<Item = T>) {
 
 const fn collisions(from: ballroom_physics::Collisions) -> Collisions {
     Collisions { ball_ball: from.ball_ball, ball_wall: from.ball_wall }
-}
-
-fn roster(loaded: &LoadedScene, places: &[usize]) -> Roster {
-    let (balls, cards) = (&loaded.physics().balls, loaded.cards());
-    Roster {
-        names: places.iter().map(|&i| balls[i].name.clone()).collect(),
-        radius_m: places.iter().map(|&i| balls[i].radius).collect(),
-        mass_kg: places.iter().map(|&i| balls[i].mass).collect(),
-        color_rgb: places.iter().map(|&i| cards[i].color_rgb.unwrap_or_default()).collect(),
-        player: places.iter().map(|&i| cards[i].player).collect(),
-    }
 }
 
 /// One hit as a listener needs it, small enough to be copied on the tick thread.
@@ -414,7 +469,7 @@ mod tests {
         for _ in 0..100 {
             simulation.advance();
         }
-        simulation.reset(Scope::All);
+        simulation.reset(Scope::All).unwrap();
         let again = state(&simulation);
         assert_eq!((again.epoch, again.tick), (8, 0));
         assert_eq!(Snapshot { epoch: 7, ..again }, first);

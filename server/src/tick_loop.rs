@@ -1,5 +1,6 @@
 //! The tick loop: a fixed rate on a plain thread. It never awaits, never publishes, and never chases lost time.
 
+use crate::change::Change;
 use crate::handover::{HITS_CAPACITY, Handover};
 use crate::inbox::{Answer, Answered, ENDING, INBOX_CAPACITY, Inbox, Request};
 use crate::meter::Meter;
@@ -7,7 +8,7 @@ use crate::recording::Tape;
 use crate::simulation::{NumberedHit, Simulation};
 use crate::wanted::{Moment, WANTED_CAPACITY};
 use crate::workshop::Ready;
-use protocol::command::{Command, MAX_RUN_TICKS, Refusal, Reply, SpeedFactor, code};
+use protocol::command::{Command, MAX_RUN_TICKS, Refusal, Reply, Scope, SpeedFactor, code};
 use protocol::stats::Stats;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -236,9 +237,20 @@ impl TickLoop {
                 }
                 Err(refusal) => Err(refusal),
             },
-            Command::Reset { .. } | Command::LoadScene { .. } | Command::SetBalls { .. } => {
-                self.change_world(&command, ready)
-            }
+            Command::SetBalls { select, velocity_m_per_s, spin_rad_per_s, .. } => match (ready, select) {
+                (Ready::Seats(world, seats), _) => self.simulation.set_balls(&world, &seats),
+                (_, Some(select)) => {
+                    let velocity = velocity_m_per_s.map(Into::into);
+                    self.simulation.set_selected(select, velocity, *spin_rad_per_s)
+                }
+                _ => Err(unprepared()),
+            },
+            Command::Spawn { .. }
+            | Command::Delete(_)
+            | Command::MoveControlPoints { .. }
+            | Command::SetParameters { .. }
+            | Command::Reset { .. }
+            | Command::LoadScene { .. } => self.change_world(&command, ready),
             Command::Speed { factor } => {
                 self.set_speed(*factor);
                 Ok(())
@@ -281,25 +293,42 @@ impl TickLoop {
 
     /// Puts what was made ready in its place.
     fn change_world(&mut self, command: &Command, ready: Ready) -> Result<(), Refusal> {
-        if let Ready::Seats(seats) = ready {
-            return self.simulation.set_balls(&seats);
+        if matches!(
+            command,
+            Command::LoadScene { .. } | Command::Reset { scope: Scope::All | Scope::Time, .. }
+        ) {
+            self.interrupt_stepping("reset");
         }
-        self.interrupt_stepping("reset");
-        let epoch = self.simulation.epoch();
-        if let Ready::World(mut world) = ready {
-            self.simulation.give_way_to(&mut world);
-            self.handover.put_stage(self.simulation.stage(), world);
-        } else if let Command::Reset { scope, .. } = command {
-            self.simulation.reset(*scope);
-        } else {
-            return Err(Refusal::new(code::OPERATION_FAILED, "nothing was made ready for this"));
+        let (epoch, world) = (self.simulation.epoch(), self.simulation.world().clone());
+        let done = match (ready, command) {
+            (Ready::World(mut next), _) => {
+                self.simulation.give_way_to(&mut next);
+                self.handover.forget(next);
+                Ok(())
+            }
+            (Ready::Change(change), _) => self.change(change),
+            (_, Command::Delete(selection)) => {
+                self.simulation.deletion(selection).and_then(|change| self.change(Box::new(change)))
+            }
+            (_, Command::Reset { scope, .. }) => self.simulation.reset(*scope),
+            _ => Err(unprepared()),
+        };
+        if !Arc::ptr_eq(&world, self.simulation.world()) {
+            self.handover.put_stage(self.simulation.stage());
+            self.handover.forget(Box::new(world));
         }
         if self.simulation.epoch() != epoch {
             self.sequence = 0;
             // Its first state goes out before anything else of the epoch.
             self.hand_over();
         }
-        Ok(())
+        done
+    }
+
+    fn change(&mut self, mut change: Box<Change>) -> Result<(), Refusal> {
+        let done = self.simulation.change(&mut change);
+        self.handover.forget(change);
+        done
     }
 
     fn set_speed(&mut self, factor: SpeedFactor) {
@@ -341,6 +370,10 @@ impl TickLoop {
         self.simulation.write_stats(&mut stats);
         self.handover.put(None, &mut self.hits, &mut self.answers, Some(stats));
     }
+}
+
+fn unprepared() -> Refusal {
+    Refusal::new(code::OPERATION_FAILED, "nothing was made ready for this")
 }
 
 struct OnDrop<F: FnMut()>(F);

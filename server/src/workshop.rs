@@ -1,18 +1,23 @@
 //! What takes longer than a tick has is made ready here, on a thread of its own: long commands are read, places solved,
 //! floors proved, clouds placed. The tick loop swaps in what comes out.
 
+use crate::change::{Change, meant};
 use crate::inbox::{Answer, ENDING, Inbox, Refused, Request};
-use crate::places::Places;
-use crate::scene_file::{LoadedScene, SceneError, SceneText};
+use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
+use crate::world::{Present, World};
 use ballroom_physics::Seat;
 use protocol::codec::{self, CodecError};
 use protocol::command::{Command, Refusal, Scope, code};
+use protocol::listing::Selection;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::time::Duration;
 
 /// Jobs that wait; what comes beyond is refused.
 pub const MAX_JOBS: usize = 64;
+/// Time between two looks at whether the tick loop is still there.
+const PATIENCE: Duration = Duration::from_millis(100);
 
 /// What was made ready for a command.
 #[derive(Default)]
@@ -20,80 +25,74 @@ pub enum Ready {
     /// Nothing was needed.
     #[default]
     Nothing,
-    /// Places on the floor.
-    Seats(Vec<Seat>),
+    /// Places on the floor of a world.
+    Seats(Arc<World>, Vec<Seat>),
+    /// A change of the present world.
+    Change(Box<Change>),
     /// A world, to take the place of the present one.
     World(Box<Simulation>),
 }
 
-/// Makes things ready for the world that will be there when they are used: what is made ready acts in its own order.
+/// Makes things ready for the present world.
 pub struct Bench {
-    /// The scene as it was loaded, with its own seeds.
-    loaded: Arc<LoadedScene>,
-    /// Of the present world.
-    places: Places,
+    present: Arc<Present>,
     tick_rate_hz: u32,
-    is_seeded: bool,
 }
 
 impl Bench {
     /// For an arena that begins like this.
     pub fn new(simulation: &Simulation) -> Self {
-        Self {
-            loaded: simulation.loaded().clone(),
-            places: simulation.places().clone(),
-            tick_rate_hz: simulation.tick_rate_hz(),
-            is_seeded: false,
-        }
+        Self { present: simulation.present().clone(), tick_rate_hz: simulation.tick_rate_hz() }
     }
 
-    /// What `command` needs, and the bench as it is once that is used.
-    pub fn prepare(&self, command: &Command) -> Result<(Ready, Option<Self>), Refusal> {
+    /// What `command` needs.
+    pub fn prepare(&self, command: &Command) -> Result<Ready, Refusal> {
+        let world = self.present.world();
+        let change = |change: Result<Change, Refusal>| Ok(Ready::Change(Box::new(change?)));
         match command {
-            Command::SetBalls { balls } => Ok((Ready::Seats(self.places.seats(balls)?), None)),
-            Command::Reset { scope: Scope::Spawned, .. } => Err(Refusal::new(
-                code::FEATURE_UNSUPPORTED,
-                "nothing can be spawned here: reset all, time or state",
-            )),
+            Command::SetBalls { balls, select: None, .. } => {
+                let seats = world.seats(balls)?;
+                Ok(Ready::Seats(world, seats))
+            }
+            Command::Spawn { balls } => change(Change::spawn(&world, balls)),
+            // Who is in a region is known only at the tick.
+            Command::Delete(selection) if selection.within_m.is_some() => Ok(Ready::Nothing),
+            Command::Delete(selection) => change(deletion(&world, selection)),
+            Command::MoveControlPoints { points } => change(Change::move_points(&world, points)),
+            Command::SetParameters { values } => change(Change::set_parameters(&world, values)),
             Command::Reset { scope, seed: Some(_) } if *scope != Scope::All => Err(Refusal::new(
                 code::FEATURE_UNSUPPORTED,
                 "a seed makes other balls: leave the scope out, or the seed",
             )),
-            Command::Reset { scope: Scope::All, seed } if seed.is_some() || self.is_seeded => {
-                let scene = self
-                    .loaded
-                    .source()
-                    .clone()
-                    .with_seed(*seed)
-                    .load()
-                    .map_err(|error| bad_scene(&error))?;
-                self.world(self.loaded.clone(), Arc::new(scene), seed.is_some())
+            Command::Reset { scope: Scope::Spawned, .. } if !world.roster().spawned.is_empty() => {
+                change(deletion(&world, &Selection { spawned: Some(true), ..Selection::default() }))
             }
-            Command::LoadScene { name, toml } => {
-                let text = match (name, toml) {
-                    (Some(name), _) => {
-                        SceneText::built_in(name).map_err(|e| Refusal::new(code::NOT_FOUND, e.to_string()))?
-                    }
-                    (None, toml) => SceneText::new("toml", toml.clone().unwrap_or_default()),
-                };
-                let loaded = Arc::new(text.load().map_err(|error| bad_scene(&error))?);
-                self.world(loaded.clone(), loaded, false)
+            Command::Reset { scope: Scope::All, seed }
+                if seed.is_some() || world.loaded().source().seed().is_some() =>
+            {
+                self.world(&world.loaded().source().clone().with_seed(*seed))
             }
-            _ => Ok((Ready::Nothing, None)),
+            Command::LoadScene { name: Some(name), .. } => {
+                let text = SceneText::built_in(name);
+                self.world(&text.map_err(|error| Refusal::new(code::NOT_FOUND, error.to_string()))?)
+            }
+            Command::LoadScene { toml, .. } => {
+                self.world(&SceneText::new("toml", toml.clone().unwrap_or_default()))
+            }
+            _ => Ok(Ready::Nothing),
         }
     }
 
-    fn world(
-        &self,
-        loaded: Arc<LoadedScene>,
-        scene: Arc<LoadedScene>,
-        is_seeded: bool,
-    ) -> Result<(Ready, Option<Self>), Refusal> {
-        let tick_rate_hz = self.tick_rate_hz;
-        let world = Simulation::new(scene, tick_rate_hz, 0).map_err(|error| bad_scene(&error))?;
-        let places = world.places().clone();
-        Ok((Ready::World(Box::new(world)), Some(Self { loaded, places, tick_rate_hz, is_seeded })))
+    fn world(&self, text: &SceneText) -> Result<Ready, Refusal> {
+        let loaded = Arc::new(text.load().map_err(|error| bad_scene(&error))?);
+        let world = Simulation::new(loaded, self.tick_rate_hz, 0).map_err(|error| bad_scene(&error))?;
+        Ok(Ready::World(Box::new(world)))
     }
+}
+
+/// For a selection that does not ask where balls are.
+fn deletion(world: &Arc<World>, selection: &Selection) -> Result<Change, Refusal> {
+    Change::delete(world, &meant(world, selection, |_| [0.0; 2])?)
 }
 
 fn bad_scene(error: &SceneError) -> Refusal {
@@ -116,7 +115,7 @@ impl Workshop {
     /// Starts the thread.
     pub fn start(bench: Bench, inbox: Arc<Inbox>) -> std::io::Result<Self> {
         let (jobs, waiting) = sync_channel(MAX_JOBS);
-        std::thread::Builder::new().name("prepare".into()).spawn(move || work(bench, &inbox, waiting))?;
+        std::thread::Builder::new().name("prepare".into()).spawn(move || work(&bench, &inbox, waiting))?;
         Ok(Self(jobs))
     }
 
@@ -132,7 +131,7 @@ impl Workshop {
     }
 }
 
-fn work(mut bench: Bench, inbox: &Inbox, jobs: Receiver<(Job, Option<Answer>)>) {
+fn work(bench: &Bench, inbox: &Inbox, jobs: Receiver<(Job, Option<Answer>)>) {
     for (job, answer) in jobs {
         let command = match job {
             Job::Command(command) => Ok(command),
@@ -140,11 +139,8 @@ fn work(mut bench: Bench, inbox: &Inbox, jobs: Receiver<(Job, Option<Answer>)>) 
         };
         let made = command.and_then(|command| Ok((bench.prepare(&command)?, command)));
         let (answer, why) = match made {
-            Ok(((ready, next), command)) => match inbox.offer(Request { command, ready, answer }) {
-                Ok(()) => {
-                    bench = next.unwrap_or(bench);
-                    continue;
-                }
+            Ok((ready, command)) => match pass_on(inbox, command, ready, answer) {
+                Ok(()) => continue,
                 Err(Refused { answer, why }) => (answer, why),
             },
             Err(why) => (answer, why),
@@ -156,6 +152,26 @@ fn work(mut bench: Bench, inbox: &Inbox, jobs: Receiver<(Job, Option<Answer>)>) 
             tracing::debug!("refused: {why}");
         }
     }
+}
+
+/// Passes on what is ready. What may change the world is waited for: the next thing is made ready for what came of it.
+fn pass_on(inbox: &Inbox, command: Command, ready: Ready, answer: Option<Answer>) -> Result<(), Refused> {
+    if !command.may_change_world() {
+        return inbox.offer(Request { command, ready, answer });
+    }
+    let (done, acted) = sync_channel(1);
+    let tell: Answer = Box::new(move |reply| {
+        done.send(()).ok();
+        if let Some(answer) = answer {
+            answer(reply);
+        }
+    });
+    let offered = inbox.offer(Request { command, ready, answer: Some(tell) });
+    if offered.is_ok() {
+        // A tick loop that has ended may never say.
+        while acted.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) && !inbox.is_closed() {}
+    }
+    offered
 }
 
 /// Reads a command, or says what is wrong with it.

@@ -4,7 +4,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How long anything may take for which no claim says how long: far more than it does on a busy machine.
-pub const PATIENCE: Duration = Duration::from_secs(20);
+pub const PATIENCE: Duration = Duration::from_mins(1);
 
 /// One test at a time: servers that share two cores disturb each other's clocks.
 static TURN: Mutex<()> = Mutex::new(());
@@ -30,4 +30,12 @@ pub fn within<T>(patience: Duration, mut probe: impl FnMut() -> Option<T>) -> Op
         }
         std::thread::sleep(Duration::from_millis(5));
     }
+}
+
+/// For claims about time, which a machine that is busy with something else can spoil: true in one of three tries.
+/// Every try prints what it measured.
+pub fn in_one_of_three_tries(claim: impl Fn() -> Result<(), String>) {
+    let tried = std::iter::repeat_with(claim).take(3).map(|held| held.inspect_err(|why| println!("{why}")));
+    let faults: Vec<String> = tried.map_while(Result::err).collect();
+    assert!(faults.len() < 3, "three times: {faults:?}");
 }

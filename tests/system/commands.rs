@@ -5,7 +5,6 @@ use ballroom_client::Client;
 use protocol::command::{Command, Direction, DirectionName, SpeedFactor, SteerMode};
 use protocol::keys::Name;
 use std::process::Command as Shell;
-use std::time::Duration;
 use tests::{PATIENCE, Process, Server, turn, until};
 use zenoh::Wait;
 
@@ -175,7 +174,7 @@ fn python_reads_states_and_sends_keys() {
     assert!(ticks[0] > 0 && ticks.is_sorted(), "{ticks:?}");
     assert!(lines[4].starts_with("stop: done at tick "), "{}", output.stdout);
     // Three presses and the question.
-    until("the server to count four commands", Duration::from_secs(5), || {
+    until("the server to count four commands", PATIENCE, || {
         let stats = client.stats().unwrap();
         (stats.commands_accepted == 4 && stats.commands_refused == 0).then_some(())
     });

@@ -4,7 +4,7 @@ use crate::states::done;
 use ballroom_client::Client;
 use protocol::command::{Command, Reply};
 use std::time::Duration;
-use tests::{PATIENCE, Server, simulate, turn, until};
+use tests::{Noise, PATIENCE, Server, simulate, turn, until};
 use zenoh::Wait;
 use zenoh::qos::CongestionControl;
 
@@ -38,25 +38,9 @@ const NONSENSE: [&str; 26] = [
     r#"{"cmd":"steer","direction":"up","ball":"red"}"#,
 ];
 
-/// Marsaglia's xorshift: the same bytes in every run.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0
-    }
-
-    fn bytes(&mut self, length: usize) -> Vec<u8> {
-        (0..length).map(|_| self.next() as u8).collect()
-    }
-}
-
 /// Everything that is thrown at the server, none of it a command.
 fn junk() -> Vec<Vec<u8>> {
-    let mut noise = Noise(0x2016);
+    let mut noise = Noise::new(0x2016);
     let mut junk: Vec<Vec<u8>> = NONSENSE.iter().map(|text| text.as_bytes().to_vec()).collect();
     junk.extend((0..40).map(|i| noise.bytes(i * 13)));
     // Deep, long, and far too long; the first would be a command if it were shorter.

@@ -5,7 +5,6 @@ use nix::sys::signal::Signal;
 use protocol::keys::Role;
 use std::net::TcpListener;
 use std::process::Command;
-use std::time::Duration;
 use tests::{PATIENCE, Process, Server, connect, turn, until};
 
 fn port_of(endpoint: &str) -> u16 {
@@ -117,7 +116,7 @@ fn ctrl_c_and_sigterm_end_cleanly() {
         });
         for process in [watch, viewer] {
             process.signal(signal);
-            let output = process.end(Duration::from_secs(5));
+            let output = process.end(PATIENCE);
             assert_eq!(output.code, Some(0), "{signal}: {}", output.stderr);
         }
         let output = server.end(signal);
@@ -128,7 +127,7 @@ fn ctrl_c_and_sigterm_end_cleanly() {
         let endpoint = endpoint_of_demo(&demo);
         demo.logged(PATIENCE, |line| line.contains("no terminal").then_some(()));
         demo.signal(signal);
-        let output = demo.end(Duration::from_secs(5));
+        let output = demo.end(PATIENCE);
         assert_eq!(output.code, Some(0), "{signal}: {}", output.stderr);
         assert!(is_free(port_of(&endpoint)), "somebody still holds {endpoint}");
     }
@@ -144,7 +143,7 @@ fn a_viewer_that_still_waits_for_a_server_ends_cleanly_too() {
     let viewer = Process::start("ballroom-viewer", &arguments);
     viewer.logged(PATIENCE, |line| line.contains("waiting for it").then_some(()));
     viewer.signal(Signal::SIGTERM);
-    let output = viewer.end(Duration::from_secs(5));
+    let output = viewer.end(PATIENCE);
     assert_eq!(output.code, Some(0), "{}", output.stderr);
 }
 

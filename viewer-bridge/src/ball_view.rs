@@ -23,9 +23,12 @@ pub const POINTS: &str = "world/balls/points";
 /// Entity of the ring and the name that mark players' balls.
 pub const PLAYERS: &str = "world/players";
 
+/// Entity of the ring round the ball that is followed; its middle is the ball's.
+pub const FOLLOWED: &str = "world/followed";
+
 /// Points of the ring round a player's ball.
 const RING_POINTS: usize = 48;
-/// Height of the ring over the floor, in parts of its radius.
+/// Height of the ring over the floor, in parts of its radius: a flat ring cuts into a floor that is hollow there.
 const RING_LIFT: f32 = 0.1;
 
 /// Balls of one roster, sorted into what is logged together.
@@ -35,6 +38,7 @@ pub struct BallView {
     players: Vec<usize>,
     names: Vec<String>,
     radii: Vec<f32>,
+    followed: Option<usize>,
 }
 
 /// Balls that share a mesh.
@@ -47,7 +51,7 @@ struct Group {
 
 impl BallView {
     /// Chooses how to draw a roster. Players' balls are meshes whatever the number of the others.
-    pub fn of(roster: &Roster) -> Self {
+    pub fn of(roster: &Roster, followed: Option<usize>) -> Self {
         let (players, others): (Vec<usize>, Vec<usize>) =
             (0..roster.names.len()).partition(|ball| roster.player[*ball]);
         let few = roster.names.len() <= MAX_MESHES;
@@ -56,7 +60,8 @@ impl BallView {
         let players: Vec<usize> = players.into_iter().take(MAX_MESHES).collect();
         groups.extend(grouped(&players, roster, true));
         let names = players.iter().map(|ball| roster.names[*ball].clone()).collect();
-        Self { groups, points, players, names, radii: roster.radius_m.iter().map(|r| *r as f32).collect() }
+        let radii = roster.radius_m.iter().map(|r| *r as f32).collect();
+        Self { groups, points, players, names, radii, followed }
     }
 
     /// How many entities [`Self::log_roster`] fills with meshes.
@@ -67,6 +72,8 @@ impl BallView {
     /// Logs what does not change with the state. `stale` is the number of groups of the roster before this one.
     pub fn log_roster(&self, rec: &Recording, roster: &Roster, stale: usize) -> RecordingStreamResult<()> {
         rec.log(BALLS, &Clear::recursive())?;
+        rec.log(PLAYERS, &Clear::recursive())?;
+        rec.log(FOLLOWED, &Clear::flat())?;
         let detail = ball_mesh::detail(roster.names.len());
         for (place, group) in self.groups.iter().enumerate() {
             rec.log_static(path(place), &ball_mesh::mesh(group.color, group.player, detail))?;
@@ -98,7 +105,18 @@ impl BallView {
             let centers = self.points.iter().map(|ball| state.center_m[*ball].map(|x| x as f32));
             rec.log(POINTS, &Points3D::update_fields().with_positions(centers))?;
         }
+        self.log_followed(rec, state)?;
         self.log_players(rec, state, ring)
+    }
+
+    /// A thin level ring: an eye that follows an entity looks at the middle of the box round it.
+    fn log_followed(&self, rec: &Recording, state: &Snapshot) -> RecordingStreamResult<()> {
+        let Some(ball) = self.followed else { return Ok(()) };
+        let ring = Ring { center: state.center_m[ball].into(), normal: Vector3::z() };
+        let mark = LineStrips3D::new([ring.points(1.02 * self.radii[ball], 0.0)])
+            .with_radii([Radius::new_ui_points(1.0)])
+            .with_colors([palette::color(palette::NAME)]);
+        rec.log(FOLLOWED, &mark)
     }
 
     /// Scales are logged with every pose: static ones are ignored beside poses that move.
@@ -122,7 +140,7 @@ impl BallView {
         if self.players.is_empty() {
             return Ok(());
         }
-        let rings = self.players.iter().map(|ball| ring(*ball).points(1.25 * self.radii[*ball]));
+        let rings = self.players.iter().map(|ball| ring(*ball).points(1.25 * self.radii[*ball], RING_LIFT));
         let marks = LineStrips3D::new(rings)
             .with_radii([Radius::new_ui_points(1.5)])
             .with_colors([palette::color(palette::PLAYER)]);
@@ -150,15 +168,15 @@ pub struct Ring {
 }
 
 impl Ring {
-    fn points(self, radius: f32) -> Vec<[f32; 3]> {
+    /// A closed line round it, `lift` radii above its plane.
+    fn points(self, radius: f32, lift: f32) -> Vec<[f32; 3]> {
         // Any two directions in the plane; a normal along x leaves y.
         let across = self.normal.cross(&Vector3::x()).try_normalize(1e-6).unwrap_or_else(Vector3::y);
         let along = across.cross(&self.normal);
         let at = |k: usize| {
             let (sin, cos) = (TAU * k as f64 / RING_POINTS as f64).sin_cos();
             let arm = (along * cos + across * sin) * f64::from(radius);
-            // A little above the plane: a flat ring cuts into a floor that is hollow there.
-            crate::single(self.center + arm + self.normal * f64::from(RING_LIFT * radius))
+            crate::single(self.center + arm + self.normal * f64::from(lift * radius))
         };
         (0..=RING_POINTS).map(at).collect()
     }
@@ -198,14 +216,16 @@ mod tests {
             names: (0..count).map(|i| format!("b{i:05}")).collect(),
             radius_m: vec![0.1; count],
             mass_kg: vec![1.0; count],
+            inertia_factor: vec![0.4; count],
             color_rgb: (0..count).map(|i| [(i % 40) as u8 * 6, 100, 50]).collect(),
             player: (0..count).map(|i| i == 3).collect(),
+            ..Roster::default()
         }
     }
 
     #[test]
     fn up_to_the_limit_every_ball_is_in_exactly_one_mesh_group() {
-        let view = BallView::of(&roster(MAX_MESHES));
+        let view = BallView::of(&roster(MAX_MESHES), None);
         assert!(view.points.is_empty() && view.groups() == MAX_COLORS + 1);
         let mut members: Vec<usize> = view.groups.iter().flat_map(|g| g.members.clone()).collect();
         members.sort_unstable();
@@ -214,7 +234,7 @@ mod tests {
 
     #[test]
     fn above_the_limit_all_but_the_player_are_points() {
-        let view = BallView::of(&roster(MAX_MESHES + 1));
+        let view = BallView::of(&roster(MAX_MESHES + 1), None);
         assert_eq!((view.points.len(), view.groups()), (MAX_MESHES, 1));
         assert_eq!(view.groups[0].members, [3]);
     }
@@ -223,7 +243,7 @@ mod tests {
     fn points_keep_their_looks_and_move_with_every_state() {
         let count = MAX_MESHES + 1;
         let roster = roster(count);
-        let view = BallView::of(&roster);
+        let view = BallView::of(&roster, None);
         let (rec, storage) = testing::recording();
         view.log_roster(&rec, &roster, 0).unwrap();
         let state = Snapshot {
@@ -253,7 +273,7 @@ mod tests {
         let normal = Vector3::new(0.6, 0.0, 0.8);
         for normal in [normal, Vector3::x(), Vector3::z()] {
             let ring = Ring { center: Vector3::new(1.0, 2.0, 3.0), normal };
-            for point in ring.points(0.5) {
+            for point in ring.points(0.5, RING_LIFT) {
                 let arm = Vector3::from(point.map(f64::from)) - ring.center;
                 let lift = f64::from(RING_LIFT) * 0.5;
                 assert!((arm.dot(&normal) - lift).abs() < 1e-6);

@@ -1,64 +1,59 @@
-//! The layout a viewer opens with: the box large at the left, plots and text at the right, live.
+//! The layout a viewer opens with: the named views large at the left, plots and text at the right, live.
 //!
-//! It is sent as the default, not as the active layout, so that what a user arranged survives a reconnect.
+//! It is the default and not the active layout while the scene stays, so that what a user arranged survives a
+//! reconnect; another scene needs other eyes and becomes active.
 
+use crate::materialised::{Materialised, Part};
+use crate::named_view::{NamedView, Sights};
 use crate::recording::{Recording, SIM_TIME, TICK, WALL_TIME};
-use crate::scene_view::Extent;
-use crate::{plots, view};
-use nalgebra::Vector3;
+use crate::{energy_plots, plots, view};
 use rerun::blueprint::components::{BackgroundKind, Corner2D, PanelState, PlayState};
 use rerun::blueprint::datatypes::{TextLogColumn, TextLogColumnKind};
 use rerun::blueprint::{
     Blueprint, BlueprintActivation, BlueprintPanel, ContainerLike, Horizontal, SelectionPanel, Spatial3DView,
-    TextLogView, TimePanel, TimeSeriesView, Vertical,
+    Tabs, TextLogView, TimePanel, TimeSeriesView, Vertical,
 };
 use rerun::datatypes::{TimeInt, TimeRange, TimeRangeBoundary, VisibleTimeRange};
-use rerun::external::re_log_types::BlueprintActivationCommand;
 use rerun::external::re_sdk_types::blueprint::archetypes::{
-    Background, EyeControls3D, LineGrid3D, PlotLegend, TextLogColumns, VisibleTimeRanges,
+    Background, ContainerBlueprint, EntityBehavior, LineGrid3D, PlotLegend, TextLogColumns, VisibleTimeRanges,
 };
-use rerun::log::{Chunk, LogMsg};
-use rerun::{RecordingStreamBuilder, RecordingStreamResult, StoreId};
+use rerun::{AsComponents, RecordingStreamResult};
 
 /// How much of the past the plots show, s.
 const PLOT_WINDOW_S: i64 = 30;
 /// The same in ticks of the usual rate.
 const PLOT_WINDOW_TICKS: i64 = 60 * PLOT_WINDOW_S;
-
-/// Direction from the middle of the box to the eye: from the south-east, well above the walls.
-const EYE_DIRECTION: [f64; 3] = [0.42, -0.80, 0.72];
-/// Distance of the eye in diagonals of the box: all of it is seen in a view that is a little wider than high.
-const EYE_DISTANCE: f64 = 0.87;
-/// The eye looks in front of the middle by this part of the diagonal, for what is near takes up more of the view.
-const LOOK_NEARER: f64 = 0.075;
 const BACKGROUND: [u8; 3] = [20, 24, 32];
+/// Name of the tabs that hold the named views.
+const VIEWS: &str = "Views";
 
-/// Sends the default layout for a box of this extent.
-pub fn send(rec: &mut Recording, extent: Extent) -> RecordingStreamResult<()> {
+/// Sends the layout for these sights, which opens with the `first` view. `replace` a layout that is in use.
+pub fn send(
+    rec: &mut Recording,
+    sights: &Sights,
+    first: &NamedView,
+    replace: bool,
+) -> RecordingStreamResult<()> {
     let Some(info) = rec.stream().store_info() else { return Ok(()) };
-    let (scratch, storage) = RecordingStreamBuilder::new(info.application_id().clone()).memory()?;
-    layout().send(&scratch, BlueprintActivation { make_active: false, make_default: true })?;
-    flush(&scratch);
-    let Some(mut blueprint) = Materialised::of(storage.take()) else { return Ok(()) };
-    blueprint.add_properties(extent)?;
-    rec.send_layout(blueprint.messages, blueprint.activation);
+    let activation = BlueprintActivation { make_active: replace, make_default: true };
+    let application = info.application_id().clone();
+    let Some(mut layout) = Materialised::of(application, &layout(sights), activation)? else {
+        return Ok(());
+    };
+    add_properties(&mut layout, sights, first)?;
+    let (messages, activation) = layout.into_messages();
+    rec.send_layout(messages, activation);
     Ok(())
 }
 
-fn layout() -> Blueprint {
-    let plot =
-        |name: &str, path: &str| -> ContainerLike { TimeSeriesView::new(name).with_origin(path).into() };
-    let room = Spatial3DView::new("Ballroom").with_origin("world");
+fn layout(sights: &Sights) -> Blueprint {
+    let view = |view: NamedView| -> ContainerLike {
+        Spatial3DView::new(view.title(sights)).with_origin("world").into()
+    };
+    let views = Tabs::new(NamedView::all(sights).map(view)).with_name(VIEWS);
     let log = TextLogView::new("Log").with_origin(view::LOG);
-    let left = Vertical::new([room.into(), log.into()]).with_row_shares([5.0, 1.0]);
-    let server = [plot("Tick time [ms]", plots::TICK_TIME), plot("Speed", plots::SPEED)];
-    let right = Vertical::new([
-        plot("Energy drift since the start, relative", plots::ENERGY),
-        plot("Hits per simulated second", plots::HITS),
-        Horizontal::new(server).into(),
-        plot("Bridge [states / s]", plots::BRIDGE),
-    ]);
-    Blueprint::new(Horizontal::new([left.into(), right.into()]).with_column_shares([2.0, 1.0]))
+    let left = Vertical::new([views.into(), log.into()]).with_row_shares([5.0, 1.0]);
+    Blueprint::new(Horizontal::new([left.into(), figures().into()]).with_column_shares([2.0, 1.0]))
         .with_auto_views(false)
         .with_auto_layout(false)
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Collapsed))
@@ -71,79 +66,67 @@ fn layout() -> Blueprint {
         )
 }
 
-/// A blueprint as messages: the builder has no setters for the eye, the background and plots' time ranges, so
-/// these are appended to the same store.
-struct Materialised {
-    store: StoreId,
-    messages: Vec<LogMsg>,
-    activation: BlueprintActivationCommand,
-    room: String,
-    plots: Vec<String>,
-    log: Option<String>,
+/// Plots on two tabs: the arena, and its balls.
+fn figures() -> Tabs {
+    let plot =
+        |name: &str, path: &str| -> ContainerLike { TimeSeriesView::new(name).with_origin(path).into() };
+    let server = [plot("Tick time [ms]", plots::TICK_TIME), plot("Speed", plots::SPEED)];
+    let arena = Vertical::new([
+        plot("Energy drift since the start, relative", plots::ENERGY),
+        plot("Energy [J]", energy_plots::PARTS),
+        plot("Hits per simulated second", plots::HITS),
+        Horizontal::new(server).into(),
+        plot("Bridge [states / s]", plots::BRIDGE),
+    ]);
+    let balls = Vertical::new([
+        plot("Kinetic energy [J]", energy_plots::KINETIC),
+        plot("Energy of spin [J]", energy_plots::SPIN),
+        plot("Potential energy [J]", energy_plots::POTENTIAL),
+        plot("Reaction of the floor [N]", energy_plots::REACTION),
+    ]);
+    Tabs::new([arena.with_name("Arena").into(), balls.with_name("Balls").into()])
 }
 
-impl Materialised {
-    /// Sorts the messages of a stream that holds one blueprint; None if it holds none.
-    fn of(stream: Vec<LogMsg>) -> Option<Self> {
-        let (mut messages, mut activation, mut store, mut room) = (vec![], None, None, None);
-        let (mut plots, mut log) = (vec![], None);
-        for message in stream {
-            match &message {
-                LogMsg::BlueprintActivationCommand(command) => {
-                    activation = Some(command.clone());
-                    continue;
-                }
-                LogMsg::SetStoreInfo(info) if info.info.store_id.is_blueprint() => {
-                    store = Some(info.info.store_id.clone());
-                }
-                LogMsg::ArrowMsg(id, arrow) if id.is_blueprint() => {
-                    let path = Chunk::from_arrow_msg(arrow).ok()?.entity_path().to_string();
-                    let is_view = path.starts_with("/view/") && path.matches('/').count() == 2;
-                    let text = if is_view { format!("{:?}", arrow.batch) } else { String::new() };
-                    if text.contains("\"3D\"") {
-                        room = Some(path);
-                    } else if text.contains("\"TimeSeries\"") {
-                        plots.push(path);
-                    } else if text.contains("\"TextLog\"") {
-                        log = Some(path);
-                    }
-                }
-                _ => continue,
-            }
-            messages.push(message);
+fn add_properties(
+    layout: &mut Materialised,
+    sights: &Sights,
+    first: &NamedView,
+) -> RecordingStreamResult<()> {
+    let parts = layout.parts().to_vec();
+    let part = |title: &str| parts.iter().find(|part| part.title == title);
+    let background =
+        Background::new(BackgroundKind::SolidColor).with_color(crate::palette::color(BACKGROUND));
+    let grid = LineGrid3D::new().with_visible(false);
+    let hidden = EntityBehavior::new().with_visible(false);
+    let (windows, legend, columns) = (windows(), PlotLegend::new().with_corner(Corner2D::LeftTop), columns());
+    for view in NamedView::all(sights) {
+        let Some(Part { path, .. }) = part(&view.title(sights)) else { continue };
+        let eye = view.eye(sights);
+        let mut properties: Vec<(String, &dyn AsComponents)> = vec![
+            (format!("{path}/EyeControls3D"), &eye),
+            (format!("{path}/LineGrid3D"), &grid),
+            (format!("{path}/Background"), &background),
+        ];
+        properties.extend(view.hidden().iter().map(|entity| -> (String, &dyn AsComponents) {
+            (format!("{path}/ViewContents/overrides/{entity}"), &hidden)
+        }));
+        layout.add(&properties)?;
+        if let Some(tabs) = part(VIEWS).filter(|_| view.same_tab(first)) {
+            let active = ContainerBlueprint::update_fields().with_active_tab(path.as_str());
+            layout.add(&[(tabs.path.clone(), &active)])?;
         }
-        Some(Self { store: store?, messages, activation: activation?, room: room?, plots, log })
     }
-
-    fn add_properties(&mut self, extent: Extent) -> RecordingStreamResult<()> {
-        let (stream, storage) = RecordingStreamBuilder::from_store_id(&self.store).blueprint().memory()?;
-        stream.set_time_sequence("blueprint", 0);
-        let direction = Vector3::from(EYE_DIRECTION).normalize();
-        let middle = Vector3::from(extent.middle());
-        let eye = middle + direction * (EYE_DISTANCE * extent.diagonal_m());
-        let target =
-            middle + Vector3::new(direction.x, direction.y, 0.0) * (LOOK_NEARER * extent.diagonal_m());
-        let eye = EyeControls3D::new()
-            .with_position(crate::single(eye))
-            .with_look_target(crate::single(target))
-            .with_eye_up([0.0, 0.0, 1.0]);
-        stream.log(format!("{}/EyeControls3D", self.room), &eye)?;
-        stream.log(format!("{}/LineGrid3D", self.room), &LineGrid3D::new().with_visible(false))?;
-        let background =
-            Background::new(BackgroundKind::SolidColor).with_color(crate::palette::color(BACKGROUND));
-        stream.log(format!("{}/Background", self.room), &background)?;
-        for plot in &self.plots {
-            stream.log(format!("{plot}/VisibleTimeRanges"), &windows())?;
-            stream.log(format!("{plot}/PlotLegend"), &PlotLegend::new().with_corner(Corner2D::LeftTop))?;
+    for Part { path, class, .. } in &parts {
+        match class.as_str() {
+            "TimeSeries" => layout.add(&[
+                (format!("{path}/VisibleTimeRanges"), &windows),
+                (format!("{path}/PlotLegend"), &legend),
+            ])?,
+            "TextLog" => layout.add(&[(format!("{path}/TextLogColumns"), &columns)])?,
+            _ => {}
         }
-        if let Some(log) = &self.log {
-            stream.log(format!("{log}/TextLogColumns"), &columns())?;
-        }
-        flush(&stream);
-        let added = storage.take().into_iter();
-        self.messages.extend(added.filter(|m| matches!(m, LogMsg::ArrowMsg(id, _) if id.is_blueprint())));
-        Ok(())
     }
+    Ok(())
 }
 
 /// The last half minute on whichever timeline is shown.
@@ -166,36 +149,73 @@ fn columns() -> TextLogColumns {
         .with_text_log_columns(shown.map(|kind| TextLogColumn { visible: true.into(), kind }))
 }
 
-/// Memory sinks cannot stall, so a failure is one of encoding; the layout then lacks a part, nothing else.
-fn flush(stream: &rerun::RecordingStream) {
-    if let Err(fault) = stream.flush_blocking() {
-        tracing::warn!("the viewer's layout is incomplete: {fault}");
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::named_view::Followed;
+    use crate::scene_view::Extent;
     use crate::testing;
+    use rerun::log::{Chunk, LogMsg};
 
-    #[test]
-    fn the_layout_has_an_eye_and_five_plots_and_does_not_replace_a_users_own() {
+    fn sights() -> Sights {
+        let extent =
+            |low: f64, high: f64| Extent { lowest: [-10.0, -10.0, low], highest: [10.0, 10.0, high] };
+        let followed = Followed { name: "player".into(), center_m: [0.0, 5.0, 1.0], radius_m: 1.0 };
+        Sights { room: extent(-4.5, 2.0), net: extent(-70.0, 40.0), followed: Some(followed) }
+    }
+
+    fn sent(replace: bool) -> (Vec<Chunk>, rerun::external::re_log_types::BlueprintActivationCommand) {
         let (mut rec, storage) = testing::recording();
-        send(&mut rec, Extent { lowest: [-10.0, -10.0, -4.5], highest: [10.0, 10.0, 2.0] }).unwrap();
+        send(&mut rec, &sights(), &NamedView::Top, replace).unwrap();
         rec.stream().flush_blocking().unwrap();
-        let (mut paths, mut activations) = (vec![], vec![]);
+        let (mut chunks, mut activations) = (vec![], vec![]);
         for message in storage.take() {
             match message {
                 LogMsg::ArrowMsg(store, arrow) if store.is_blueprint() => {
-                    paths.push(Chunk::from_arrow_msg(&arrow).unwrap().entity_path().to_string());
+                    chunks.push(Chunk::from_arrow_msg(&arrow).unwrap());
                 }
                 LogMsg::BlueprintActivationCommand(command) => activations.push(command),
                 _ => {}
             }
         }
+        assert_eq!(activations.len(), 1);
+        (chunks, activations.remove(0))
+    }
+
+    #[test]
+    fn every_view_has_an_eye_and_hides_its_details_and_every_plot_its_window() {
+        let (chunks, _) = sent(false);
+        let paths: Vec<String> = chunks.iter().map(|chunk| chunk.entity_path().to_string()).collect();
         let count = |end: &str| paths.iter().filter(|path| path.ends_with(end)).count();
-        assert_eq!((count("/EyeControls3D"), count("/Background"), count("/VisibleTimeRanges")), (1, 1, 5));
-        assert_eq!(count("/TextLogColumns"), 1);
-        assert!(activations.len() == 1 && activations[0].make_default && !activations[0].make_active);
+        assert_eq!((count("/EyeControls3D"), count("/Background"), count("/TextLogColumns")), (6, 6, 1));
+        assert_eq!(count("/VisibleTimeRanges"), 10);
+        assert_eq!((count("/overrides/world/net"), count("/overrides/world/overlays")), (5, 5));
+    }
+
+    #[test]
+    fn the_wanted_view_is_the_active_tab() {
+        let (chunks, _) = sent(false);
+        let text = |chunk: &Chunk, descriptor: rerun::ComponentDescriptor| {
+            let first = chunk.iter_slices::<String>(descriptor.component).flatten().next();
+            first.map(|text| text.to_string())
+        };
+        let tab = ContainerBlueprint::descriptor_active_tab;
+        let active: Vec<String> = chunks.iter().filter_map(|chunk| text(chunk, tab())).collect();
+        let title =
+            rerun::external::re_sdk_types::blueprint::archetypes::ViewBlueprint::descriptor_display_name;
+        let named = |path: &str| {
+            let view = chunks.iter().find(|chunk| chunk.entity_path().to_string() == path).unwrap();
+            text(view, title())
+        };
+        assert_eq!(active.len(), 1);
+        assert_eq!(named(&active[0]).as_deref(), Some("Top"));
+    }
+
+    #[test]
+    fn a_layout_replaces_a_users_own_only_when_asked_to() {
+        for replace in [false, true] {
+            let (_, activation) = sent(replace);
+            assert!(activation.make_default && activation.make_active == replace);
+        }
     }
 }

@@ -1,15 +1,21 @@
 //! The bridge as a whole: recordings that are drawn, and the network that feeds them.
 
+use crate::hub::{HISTORY_BYTES, Hub, HubSink};
 use crate::live::{self, Live};
 use crate::logger::Logger;
+use crate::named_view::NamedView;
+use crate::push;
 use crate::recording::Recording;
 use crate::slot::Slot;
+use crate::view::View;
 use anyhow::{Context, Result};
 use ballroom_client::{Client, Update};
 use protocol::keys::Role;
 use rerun::RecordingStreamBuilder;
+use rerun::external::re_uri::ProxyUri;
 use rerun::log::ChunkBatcherConfig;
 use rerun::sink::{FileSink, LogSink};
+use std::net::IpAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -30,12 +36,16 @@ const MESSAGES_A_LOOK: usize = 64;
 /// What a bridge shall write to.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Serve viewers.
-    pub live: bool,
+    /// Serve viewers, on this address.
+    pub serve: Option<IpAddr>,
+    /// Send to a viewer elsewhere.
+    pub connect: Option<ProxyUri>,
     /// Write a file.
     pub save: Option<PathBuf>,
     /// Frames per second at most, in either.
     pub frames_per_second: u32,
+    /// The view to open with.
+    pub view: NamedView,
 }
 
 /// Recordings being drawn.
@@ -59,17 +69,19 @@ impl Bridge {
             let sink = FileSink::new(path).with_context(|| {
                 format!("cannot write {}: choose a file in a directory that exists", path.display())
             })?;
-            loggers.push(Logger::start(
-                "file",
-                recording(FILE_FLUSH, Box::new(sink))?,
-                options.frames_per_second,
-            )?);
+            let view = View::new(recording(FILE_FLUSH, Box::new(sink))?, options.view.clone());
+            loggers.push(Logger::start("file", view, options.frames_per_second, None)?);
         }
         let mut live = None;
-        if options.live {
-            let (sink, where_to) = live::serve()?;
-            loggers.push(Logger::start("live", recording(LIVE_FLUSH, sink)?, options.frames_per_second)?);
-            live = Some(where_to);
+        if options.serve.is_some() || options.connect.is_some() {
+            let hub = Hub::new(HISTORY_BYTES);
+            live = options.serve.map(|listen| live::serve(hub.clone(), listen)).transpose()?;
+            if let Some(viewer) = &options.connect {
+                push::start(hub.clone(), viewer.clone())?;
+            }
+            let sink = Box::new(HubSink(hub.clone()));
+            let view = View::new(recording(LIVE_FLUSH, sink)?, options.view.clone());
+            loggers.push(Logger::start("live", view, options.frames_per_second, Some(hub))?);
         }
         Ok(Self { loggers, live })
     }
@@ -154,7 +166,13 @@ mod tests {
     fn a_stopped_bridge_leaves_a_complete_file() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("ride.rrd");
-        let options = Options { live: false, save: Some(path.clone()), frames_per_second: 1000 };
+        let options = Options {
+            serve: None,
+            connect: None,
+            save: Some(path.clone()),
+            frames_per_second: 1000,
+            view: NamedView::default(),
+        };
         let bridge = Bridge::start(&options).unwrap();
         let slots = bridge.slots();
         slots[0].world(Arc::new(testing::original()));
@@ -166,8 +184,13 @@ mod tests {
 
     #[test]
     fn a_file_that_cannot_be_written_is_named() {
-        let options =
-            Options { live: false, save: Some("/nowhere/at/all.rrd".into()), frames_per_second: 60 };
+        let options = Options {
+            serve: None,
+            connect: None,
+            save: Some("/nowhere/at/all.rrd".into()),
+            frames_per_second: 60,
+            view: NamedView::default(),
+        };
         let fault = Bridge::start(&options).err().unwrap();
         assert!(fault.to_string().contains("/nowhere/at/all.rrd"), "{fault}");
     }

@@ -1,26 +1,23 @@
-//! Serving viewers on this machine: the data over gRPC, and the web viewer that is built into the program.
-//!
-//! Viewers come, go and join late; the server holds a bounded history for them and never waits for one to come.
+//! Where viewers find the data: ports, the web viewer that is built into the program, and the native one.
 
+use crate::hub::Hub;
+use crate::watch;
 use anyhow::{Context, Result, bail};
-use rerun::grpc_server::GrpcServerSink;
-use rerun::sink::LogSink;
+use rerun::external::re_uri::ProxyUri;
 use rerun::web_viewer::WebViewerConfig;
-use rerun::{MemoryLimit, ServerOptions};
-use std::net::{Ipv4Addr, TcpListener};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
 use std::process::{Command, Stdio};
+use std::sync::Arc;
 
 /// The viewer must match this version exactly.
 pub const RERUN_VERSION: &str = "0.36.3";
 
-/// Nobody else's machine: there is no password on this door.
-const LOOPBACK: Ipv4Addr = Ipv4Addr::LOCALHOST;
+/// Nobody else's machine, unless asked for: there is no password on this door.
+pub const LOOPBACK: IpAddr = IpAddr::V4(Ipv4Addr::LOCALHOST);
 const GRPC_PORT: u16 = 9876;
 const WEB_PORT: u16 = 9090;
 /// Ports tried in a row before giving up.
 const PORTS_TRIED: u16 = 32;
-/// History kept for viewers that join late, bytes. The oldest goes first, static data stays.
-const HISTORY_BYTES: u64 = 256 << 20;
 
 /// Where viewers find the data.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,56 +26,96 @@ pub struct Live {
     pub grpc_url: String,
     /// For a browser.
     pub web_url: String,
+    /// Whether other machines may watch.
+    pub open: bool,
 }
 
-/// Serves what goes into the sink to viewers, until the sink is dropped.
-pub fn serve() -> Result<(Box<dyn LogSink>, Live)> {
-    let port = free_port(GRPC_PORT)?;
-    let limits =
-        ServerOptions { memory_limit: MemoryLimit::from_bytes(HISTORY_BYTES), ..ServerOptions::default() };
-    let sink = GrpcServerSink::new(&LOOPBACK.to_string(), port, limits)
-        .with_context(|| format!("cannot serve viewers on port {port}"))?;
-    let grpc_url = format!("rerun+http://{LOOPBACK}:{port}/proxy");
-    let web_url = serve_web_viewer(&grpc_url)?;
-    Ok((Box::new(sink), Live { grpc_url, web_url }))
+/// A viewer's address as people write it: the whole URL, or HOST:PORT.
+pub fn viewer_address(text: &str) -> Result<ProxyUri, String> {
+    let refused = |why: &str| {
+        format!(
+            "{why}; write rerun+http://HOST:9876/proxy or HOST:9876 (a Ballroom server's endpoint goes to -e)"
+        )
+    };
+    let port = text.rsplit_once(':').map(|(_, port)| port.parse::<u16>());
+    let url = match port {
+        _ if text.contains("://") => text.to_owned(),
+        Some(Ok(_)) if !text.contains('/') => format!("rerun+http://{text}/proxy"),
+        _ => return Err(refused("no viewer's address")),
+    };
+    url.parse().map_err(|fault: rerun::external::re_uri::Error| refused(&fault.to_string()))
 }
 
-/// Serves the built-in web viewer and returns the address that opens it on the data.
-fn serve_web_viewer(grpc_url: &str) -> Result<String> {
-    let port = free_port(WEB_PORT)?;
+/// Serves what the hub holds on an address of this machine, until the process ends.
+pub fn serve(hub: Arc<Hub>, listen: IpAddr) -> Result<Live> {
+    let grpc = free_port(listen, GRPC_PORT)?;
+    let host = reachable(listen);
+    let grpc_url = format!("rerun+http://{}/proxy", SocketAddr::new(host, grpc.local_addr()?.port()));
+    let web_port = free_port(listen, WEB_PORT)?.local_addr()?.port();
+    // A page that came from this machine may ask it, by whatever name the machine was called.
+    let origins = if listen.is_loopback() { vec![] } else { vec![format!("http://*:{web_port}")] };
+    watch::serve(hub, grpc, &origins).context("cannot serve viewers")?;
+    serve_web_viewer(listen, web_port)?;
+    let web_url = format!(
+        "http://{}?url={}",
+        SocketAddr::new(host, web_port),
+        grpc_url.replace('+', "%2B").replace(':', "%3A").replace('/', "%2F")
+    );
+    Ok(Live { grpc_url, web_url, open: !listen.is_loopback() })
+}
+
+/// Serves the built-in web viewer until the process ends.
+fn serve_web_viewer(listen: IpAddr, port: u16) -> Result<()> {
     let config = WebViewerConfig {
-        bind_ip: LOOPBACK.to_string(),
+        bind_ip: listen.to_string(),
         web_port: port.into(),
         open_browser: false,
         ..WebViewerConfig::default()
     };
     let server = rerun::serve_web_viewer(config)
         .with_context(|| format!("cannot serve the web viewer on port {port}"))?;
-    let url = format!(
-        "{}?url={}",
-        server.server_url(),
-        grpc_url.replace('+', "%2B").replace(':', "%3A").replace('/', "%2F")
-    );
-    // It serves until the program ends.
     server.detach();
-    Ok(url)
+    Ok(())
 }
 
-/// The first free port from `wanted` on; a step aside is told.
-fn free_port(wanted: u16) -> Result<u16> {
-    let mut ports = wanted..wanted.saturating_add(PORTS_TRIED);
-    let Some(port) = ports.find(|port| TcpListener::bind((LOOPBACK, *port)).is_ok()) else {
-        bail!("ports {wanted} to {} are all taken: end what listens there", wanted + PORTS_TRIED - 1);
-    };
-    if port != wanted {
-        tracing::info!("port {wanted} is taken, using {port}");
+/// The first free port from `wanted` on, taken; a step aside is told.
+fn free_port(listen: IpAddr, wanted: u16) -> Result<TcpListener> {
+    for port in wanted..wanted.saturating_add(PORTS_TRIED) {
+        match TcpListener::bind((listen, port)) {
+            Ok(listener) => {
+                if port != wanted {
+                    tracing::info!("port {wanted} is taken, using {port}");
+                }
+                return Ok(listener);
+            }
+            Err(fault) if fault.kind() == std::io::ErrorKind::AddrInUse => {}
+            Err(fault) => {
+                bail!(
+                    "cannot listen on {listen}: {fault}; name an address of this machine, or 0.0.0.0 for all"
+                )
+            }
+        }
     }
-    Ok(port)
+    bail!("ports {wanted} to {} are all taken: end what listens there", wanted + PORTS_TRIED - 1)
+}
+
+/// The address that others use: where all are listened on, that of the interface towards the outside.
+fn reachable(listen: IpAddr) -> IpAddr {
+    if !listen.is_unspecified() {
+        return listen;
+    }
+    // Connecting a datagram socket sends nothing; 192.0.2.1 is an address for documentation.
+    let outward = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))
+        .and_then(|socket| socket.connect(("192.0.2.1", 9)).and_then(|()| socket.local_addr()));
+    outward.map_or(LOOPBACK, |address| address.ip())
 }
 
 impl Live {
     /// Tells where viewers find the data, and opens one.
     pub fn announce(&self) {
+        if self.open {
+            tracing::warn!("whoever reaches these ports can watch; nobody can draw or steer through them");
+        }
         tracing::info!("in a browser: {}", self.web_url);
         tracing::info!("natively:     rerun --connect {}", self.grpc_url);
         self.open();
@@ -153,7 +190,22 @@ mod tests {
         let taken = TcpListener::bind((LOOPBACK, 0)).unwrap();
         let port = taken.local_addr().unwrap().port();
         if port < u16::MAX - PORTS_TRIED {
-            assert!(free_port(port).unwrap() > port);
+            assert!(free_port(LOOPBACK, port).unwrap().local_addr().unwrap().port() > port);
+        }
+    }
+
+    #[test]
+    fn an_address_of_another_machine_is_refused_and_named() {
+        let elsewhere = "192.0.2.1".parse().unwrap();
+        assert!(free_port(elsewhere, 9876).unwrap_err().to_string().contains("192.0.2.1"));
+    }
+
+    #[test]
+    fn a_viewers_address_may_be_short_and_an_endpoint_is_none() {
+        let whole = viewer_address("rerun+http://10.0.0.7:9876/proxy").unwrap();
+        assert_eq!(viewer_address("10.0.0.7:9876").unwrap(), whole);
+        for wrong in ["tcp/127.0.0.1:7447", "10.0.0.7", "http://x y"] {
+            assert!(viewer_address(wrong).unwrap_err().contains("write rerun+http://"), "{wrong}");
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! Live and file have a thread each: a viewer that is slow holds its own thread up, and never the file.
 
-use crate::recording::Recording;
+use crate::hub::Hub;
 use crate::slot::Slot;
 use crate::view::View;
 use std::sync::Arc;
@@ -22,20 +22,26 @@ const EARLY: f64 = 0.25;
 pub struct Logger {
     name: &'static str,
     slot: Arc<Slot>,
+    hub: Option<Arc<Hub>>,
     /// Says once whether everything was written, and hangs up when the stream is closed.
     done: Receiver<bool>,
 }
 
 impl Logger {
-    /// Starts to draw into `recording`, at about `frames_per_second` at most.
-    pub fn start(name: &'static str, recording: Recording, frames_per_second: u32) -> std::io::Result<Self> {
+    /// Starts to draw a view, at about `frames_per_second` at most. What viewers at the `hub` miss is counted too.
+    pub fn start(
+        name: &'static str,
+        view: View,
+        frames_per_second: u32,
+        hub: Option<Arc<Hub>>,
+    ) -> std::io::Result<Self> {
         let slot = Arc::<Slot>::default();
         let (finished, done) = channel();
         let period = Duration::from_secs(1) / frames_per_second.max(1);
-        let inlet = slot.clone();
+        let (inlet, watched) = (slot.clone(), hub.clone());
         std::thread::Builder::new().name(format!("rerun-{name}")).spawn(move || {
-            let stream = recording.stream().clone();
-            let drawn = draw(recording, &slot, period.mul_f64(1.0 - EARLY), name);
+            let stream = view.recording().stream().clone();
+            let drawn = draw(view, &slot, period.mul_f64(1.0 - EARLY), name, watched.as_deref());
             let flushed = stream.flush_with_timeout(FLUSH_PATIENCE);
             if let Err(fault) = &flushed {
                 tracing::error!("the {name} recording is incomplete: {fault}");
@@ -45,7 +51,7 @@ impl Logger {
             drop(stream);
             drop(finished);
         })?;
-        Ok(Self { name, slot: inlet, done })
+        Ok(Self { name, slot: inlet, hub, done })
     }
 
     /// Where its news go.
@@ -73,16 +79,24 @@ impl Logger {
             counts.missed,
             counts.hits_dropped
         );
+        if let Some(sent) = self.hub.map(|hub| hub.sent()) {
+            tracing::info!(
+                "viewers: {} messages sent, {} missed by viewers that were too slow, {} reconnects",
+                sent.taken,
+                sent.dropped,
+                sent.reconnects
+            );
+        }
         closed && written.unwrap_or(false)
     }
 }
 
 /// Draws until the slot is closed and empty. A row that fails is lost, the next may not be. Returns whether none was.
-fn draw(recording: Recording, slot: &Slot, period: Duration, name: &str) -> bool {
-    let mut view = View::new(recording);
+fn draw(mut view: View, slot: &Slot, period: Duration, name: &str, hub: Option<&Hub>) -> bool {
     let mut failures: u64 = 0;
-    while let Some(news) = slot.take(Duration::from_secs(1)) {
+    while let Some(mut news) = slot.take(Duration::from_secs(1)) {
         let began = Instant::now();
+        news.counts.rows_missed = hub.map_or(0, |hub| hub.sent().dropped);
         if let Err(fault) = view.show(&news) {
             failures += 1;
             if failures <= TOLD_FAILURES {

@@ -15,6 +15,16 @@ const HEIGHTS: [[f64; 3]; 5] = [
 pub const GRID: [u8; 3] = [112, 128, 124];
 /// Walls, seen through.
 pub const WALL: [u8; 4] = [170, 190, 215, 26];
+/// The floor's control net.
+pub const NET: [u8; 3] = [150, 170, 200];
+/// Points where balls touch the floor.
+pub const CONTACT: [u8; 3] = [255, 96, 160];
+/// Velocities.
+pub const VELOCITY: [u8; 3] = [92, 214, 192];
+/// Reactions of the floor.
+pub const REACTION: [u8; 3] = [255, 150, 90];
+/// Names of balls that nobody steers.
+pub const NAME: [u8; 3] = [200, 205, 215];
 /// What marks the player's ball.
 pub const PLAYER: [u8; 3] = [255, 200, 40];
 

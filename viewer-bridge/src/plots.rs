@@ -49,6 +49,7 @@ impl Plots {
                     ("shown / s", 0x6FCF_7FFF),
                     ("dropped / s", 0xE45C_5CFF),
                     ("hits dropped / s", 0xF2C1_4EFF),
+                    ("missed by slow viewers / s", 0xB07C_E4FF),
                 ],
             ),
         ];
@@ -135,6 +136,7 @@ impl Plots {
                 rate(now.shown, then.shown),
                 rate(now.dropped + now.missed, then.dropped + then.missed),
                 rate(now.hits_dropped, then.hits_dropped),
+                rate(now.rows_missed, then.rows_missed),
             ]),
         )
     }

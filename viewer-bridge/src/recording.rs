@@ -98,6 +98,7 @@ impl Recording {
 mod tests {
     use super::*;
     use crate::blueprint;
+    use crate::named_view::{NamedView, Sights};
     use crate::scene_view::Extent;
     use rerun::RecordingStreamBuilder;
     use rerun::sink::CallbackSink;
@@ -114,7 +115,9 @@ mod tests {
         recording.log("early", &rerun::TextLog::new("before the layout")).unwrap();
         assert!(heard.lock().unwrap().is_empty());
 
-        blueprint::send(&mut recording, Extent { lowest: [0.0; 3], highest: [1.0; 3] }).unwrap();
+        let room = Extent { lowest: [0.0; 3], highest: [1.0; 3] };
+        let sights = Sights { room, net: room, followed: None };
+        blueprint::send(&mut recording, &sights, &NamedView::default(), false).unwrap();
         recording.stream().flush_blocking().unwrap();
         let heard = heard.lock().unwrap();
         let first = heard.iter().position(|message| message.store_id().is_recording()).unwrap();

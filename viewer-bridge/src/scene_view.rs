@@ -1,6 +1,7 @@
 //! What stands still: the floor with lines on it, and the walls.
 
 use crate::floor_mesh::{FloorMesh, Tessellation};
+use crate::net_view;
 use crate::palette;
 use crate::recording::Recording;
 use crate::surface::{NotAFloor, Surface};
@@ -88,6 +89,11 @@ impl SceneView {
         self.extent
     }
 
+    /// The floor's surface.
+    pub const fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
     /// How the floor was cut.
     pub const fn tessellation(&self) -> Tessellation {
         self.plan
@@ -109,6 +115,7 @@ impl SceneView {
         rec.log_static("world", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
         rec.log_static(FLOOR, &FloorMesh::of(&self.surface, self.plan.cells).into_mesh3d())?;
         rec.log_static(FLOOR_LINES, &self.lines())?;
+        net_view::log(rec, &self.surface)?;
         rec.log_static(WALLS, &self.boxes())
     }
 

@@ -36,6 +36,8 @@ pub struct Counts {
     pub missed: u64,
     /// Hits that are not shown: too many waited, a new world overtook them, or their numbers never came.
     pub hits_dropped: u64,
+    /// Messages that a viewer never got, for it was too slow; the logging thread knows.
+    pub rows_missed: u64,
 }
 
 /// All that waited, at one time.
@@ -213,7 +215,7 @@ mod tests {
         (1..=10).for_each(|tick| slot.state(state(tick)));
         let news = slot.take(Duration::ZERO).unwrap();
         assert_eq!(news.state.unwrap().tick, 10);
-        assert_eq!(news.counts, Counts { received: 10, shown: 1, dropped: 9, missed: 0, hits_dropped: 0 });
+        assert_eq!(news.counts, Counts { received: 10, shown: 1, dropped: 9, ..Counts::default() });
     }
 
     #[test]

@@ -69,10 +69,28 @@ impl Surface {
 
     /// The curve of constant u, ready to be evaluated at many v.
     pub fn column(&self, u: f64) -> Column {
-        let rows = || 0..self.net[0].len();
-        let at = |j: usize| self.net.iter().map(move |column| column[j]);
-        let (points, du) = rows().map(|j| curve(at(j), u)).unzip();
+        let (points, du) = self.across(u).map(|[point, du, _]| (point, du)).unzip();
         Column { points, du }
+    }
+
+    /// The derivatives at (u, v) up to the second.
+    pub fn jet(&self, u: f64, v: f64) -> Jet {
+        let mut rows = [const { Vec::new() }; 3];
+        for derivatives in self.across(u) {
+            rows.iter_mut().zip(derivatives).for_each(|(row, point)| row.push(point));
+        }
+        let [[_, dv, dvv], [du, duv, _], [duu, ..]] = rows.map(|row| curve(row.into_iter(), v));
+        Jet { du, dv, duu, duv, dvv }
+    }
+
+    /// The control points, row by row: `[i][j]` belongs to `B_i(u) B_j(v)`.
+    pub fn net(&self) -> &[Vec<Point>] {
+        &self.net
+    }
+
+    /// For each j the point and two derivatives, at u, of the curve along u through the control points `[.][j]`.
+    fn across(&self, u: f64) -> impl Iterator<Item = [Point; 3]> {
+        (0..self.net[0].len()).map(move |j| curve(self.net.iter().map(move |column| column[j]), u))
     }
 
     /// Largest and smallest x and y of the control net: the rectangle that holds the floor, m.
@@ -95,6 +113,21 @@ impl Surface {
     }
 }
 
+/// The derivatives of a [`Surface`] at one place, m.
+#[derive(Clone, Copy, Debug)]
+pub struct Jet {
+    /// By u.
+    pub du: Point,
+    /// By v.
+    pub dv: Point,
+    /// Twice by u.
+    pub duu: Point,
+    /// By u and v.
+    pub duv: Point,
+    /// Twice by v.
+    pub dvv: Point,
+}
+
 /// A curve of constant u on a [`Surface`], with its derivative across.
 pub struct Column {
     points: Vec<Point>,
@@ -104,8 +137,8 @@ pub struct Column {
 impl Column {
     /// The point at v and the unit normal there, turned upwards.
     pub fn frame(&self, v: f64) -> (Point, Point) {
-        let (point, dv) = curve(self.points.iter().copied(), v);
-        let (du, _) = curve(self.du.iter().copied(), v);
+        let [point, dv, _] = curve(self.points.iter().copied(), v);
+        let [du, ..] = curve(self.du.iter().copied(), v);
         let normal = du.cross(&dv);
         let normal = normal.try_normalize(0.0).unwrap_or_else(Point::z);
         (point, if normal.z < 0.0 { -normal } else { normal })
@@ -126,24 +159,26 @@ fn transposed<T>(rows: &[Vec<T>], point: impl Fn(usize, usize, &T) -> Point) -> 
     (0..across).map(row).collect()
 }
 
-/// Point and derivative of a Bezier curve by de Casteljau's corner cutting.
-fn curve(control: impl Iterator<Item = Point>, t: f64) -> (Point, Point) {
+/// Point and two derivatives of a Bezier curve by de Casteljau's corner cutting.
+fn curve(control: impl Iterator<Item = Point>, t: f64) -> [Point; 3] {
     let mut points = [Point::zeros(); MAX_DEGREE + 1];
     let mut count = 0;
     for point in control.take(MAX_DEGREE + 1) {
         points[count] = point;
         count += 1;
     }
-    let mut derivative = Point::zeros();
+    let [mut first, mut second] = [Point::zeros(); 2];
     for left in (1..count).rev() {
-        if left == 1 {
-            derivative = (points[1] - points[0]) * (count - 1) as f64;
+        if left == 2 {
+            second = (points[2] - points[1] * 2.0 + points[0]) * ((count - 1) * (count - 2)) as f64;
+        } else if left == 1 {
+            first = (points[1] - points[0]) * (count - 1) as f64;
         }
         for i in 0..left {
             points[i] = points[i] * (1.0 - t) + points[i + 1] * t;
         }
     }
-    (points[0], derivative)
+    [points[0], first, second]
 }
 
 /// Net of the derivative in the first direction; a straight one has the net of a single zero.
@@ -276,6 +311,25 @@ mod tests {
             assert!((point - Point::new(x, y, z)).norm() < 1e-12);
             let gradient = Point::new(-(0.2 * x - 0.02 * y * y * y), 0.06 * x * y * y, 1.0);
             assert!((normal - gradient.normalize()).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn derivatives_of_a_polynomial_floor_are_exact() {
+        let terms = vec![Term { px: 2, py: 1, c: 0.3 }, Term { px: 0, py: 2, c: -0.2 }];
+        let surface = Surface::of(&Floor::Polynomial { x_m: [-3.0, 5.0], y_m: [1.0, 3.0], terms }).unwrap();
+        let (u, v) = (0.3, 0.8);
+        let (x, y) = (-3.0 + 8.0 * u, 1.0 + 2.0 * v);
+        let jet = surface.jet(u, v);
+        let expected = [
+            (jet.du, Point::new(8.0, 0.0, 8.0 * 0.6 * x * y)),
+            (jet.dv, Point::new(0.0, 2.0, 2.0 * (0.3 * x * x - 0.4 * y))),
+            (jet.duu, Point::new(0.0, 0.0, 64.0 * 0.6 * y)),
+            (jet.duv, Point::new(0.0, 0.0, 16.0 * 0.6 * x)),
+            (jet.dvv, Point::new(0.0, 0.0, 4.0 * -0.4)),
+        ];
+        for (found, expected) in expected {
+            assert!((found - expected).norm() < 1e-11, "{found} {expected}");
         }
     }
 

@@ -6,12 +6,25 @@ use nalgebra::{UnitQuaternion, Vector3};
 use protocol::scene::{Accuracy, Floor, Motion, Scene, Steering, Walls};
 use protocol::snapshot::{Collisions, Roster, Snapshot, World};
 use rerun::RecordingStreamBuilder;
+use rerun::log::{Chunk, LogMsg};
 use rerun::sink::MemorySinkStorage;
 
 /// A recording in memory.
 pub fn recording() -> (Recording, MemorySinkStorage) {
     let (stream, storage) = RecordingStreamBuilder::new("ballroom_test").memory().expect("a memory stream");
     (Recording::new(stream), storage)
+}
+
+/// The rows of an entity's recording among messages, one chunk each.
+pub fn chunks(messages: impl Iterator<Item = LogMsg>, path: &str) -> impl Iterator<Item = Chunk> {
+    let path = format!("/{path}");
+    messages.filter_map(move |message| match message {
+        LogMsg::ArrowMsg(store, arrow) if store.is_recording() => {
+            let chunk = Chunk::from_arrow_msg(&arrow).expect("a chunk");
+            (chunk.entity_path().to_string() == path).then_some(chunk)
+        }
+        _ => None,
+    })
 }
 
 /// The original floor with its three balls at tick 0.
@@ -38,8 +51,10 @@ pub fn original() -> World {
         names: ["a", "b", "player"].map(String::from).to_vec(),
         radius_m: vec![1.0; 3],
         mass_kg: vec![5.0; 3],
+        inertia_factor: vec![0.4; 3],
         color_rgb: vec![[46, 134, 222], [38, 166, 91], [214, 48, 49]],
         player: vec![false, false, true],
+        ..Roster::default()
     };
     let mut world = World { scene, roster, tick_rate_hz: 60, snapshot: Snapshot::default() };
     world.snapshot = Ride::new(&world).state(0);

@@ -1,5 +1,6 @@
 //! Tracks that balls leave on the floor, fading with age.
 
+use crate::chosen::chosen;
 use crate::palette;
 use crate::recording::Recording;
 use nalgebra::Vector3;
@@ -37,9 +38,7 @@ pub struct TrailView {
 impl TrailView {
     /// Chooses whose tracks are drawn.
     pub fn of(roster: &Roster) -> Self {
-        let mut balls: Vec<usize> = (0..roster.names.len()).collect();
-        balls.sort_by_key(|ball| !roster.player[*ball]);
-        balls.truncate(MAX_TRAILS);
+        let balls = chosen(roster, None, MAX_TRAILS);
         let colors = balls.iter().map(|ball| roster.color_rgb[*ball]).collect();
         let points = vec![VecDeque::with_capacity(MAX_POINTS); balls.len()];
         Self { balls, colors, points, logged_ns: None }

@@ -1,15 +1,12 @@
 //! All that is shown of an arena, in one recording: the order in which news become rows.
 
-use crate::ball_view::{BallView, Ring};
 use crate::blueprint;
-use crate::hit_view::HitView;
+use crate::drawn::Drawn;
+use crate::named_view::NamedView;
 use crate::plots::Plots;
 use crate::recording::{Moment, Recording};
-use crate::scene_view::SceneView;
 use crate::slot::News;
-use crate::trail_view::TrailView;
-use protocol::scene::Scene;
-use protocol::snapshot::{Roster, Snapshot, World};
+use protocol::snapshot::{Snapshot, World};
 use rerun::components::TextLogLevel;
 use rerun::{RecordingStreamResult, TextLog};
 use std::time::Instant;
@@ -20,6 +17,7 @@ pub const LOG: &str = "log";
 /// An arena being drawn into a recording.
 pub struct View {
     rec: Recording,
+    first: NamedView,
     drawn: Option<Drawn>,
     epoch: u64,
     plots: Plots,
@@ -30,22 +28,14 @@ pub struct View {
     set_at: Instant,
 }
 
-struct Drawn {
-    scene: Scene,
-    roster: Roster,
-    floor: SceneView,
-    balls: BallView,
-    trails: TrailView,
-    hits: HitView,
-}
-
 impl View {
-    /// Starts to draw into a recording.
-    pub fn new(rec: Recording) -> Self {
+    /// Starts to draw into a recording; its layout opens with the `first` view.
+    pub fn new(rec: Recording, first: NamedView) -> Self {
         let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
         let moment = Moment { wall_ns: now.as_nanos() as u64, ..Moment::default() };
         Self {
             rec,
+            first,
             drawn: None,
             epoch: 0,
             plots: Plots::default(),
@@ -67,7 +57,7 @@ impl View {
             self.state(&world.snapshot, news)?;
         }
         if let Some(drawn) = &mut self.drawn {
-            news.hits.iter().filter(|hit| hit.epoch == self.epoch).for_each(|hit| drawn.hits.add(hit));
+            news.hits.iter().filter(|hit| hit.epoch == self.epoch).for_each(|hit| drawn.add(hit));
         }
         if let Some(state) = &news.state {
             self.state(state, news)?;
@@ -83,19 +73,17 @@ impl View {
 
     /// A new epoch, or a late start into one.
     fn start_from(&mut self, world: &World) -> RecordingStreamResult<()> {
-        let same = |drawn: &Drawn| drawn.scene == world.scene && drawn.roster == world.roster;
         let fresh = self.epoch != world.snapshot.epoch || self.drawn.is_none();
         let earliest = if self.epoch == 0 { 0 } else { self.now().wall_ns };
         self.ahead_ns = earliest.saturating_sub(world.snapshot.wall_ns);
         self.move_to(&world.snapshot);
         self.epoch = world.snapshot.epoch;
-        if !self.drawn.as_ref().is_some_and(same) {
+        if !self.drawn.as_ref().is_some_and(|drawn| drawn.shows(world)) {
             self.draw(world)?;
         }
         let Some(drawn) = &mut self.drawn else { return Ok(()) };
         if fresh {
-            drawn.trails.clear(&self.rec)?;
-            drawn.hits.clear(&self.rec)?;
+            drawn.clear(&self.rec)?;
             self.plots.clear();
             let balls = world.roster.names.len();
             self.note(
@@ -108,53 +96,42 @@ impl View {
 
     /// A scene or a roster that was not drawn before.
     fn draw(&mut self, world: &World) -> RecordingStreamResult<()> {
-        let stale = self.drawn.take().map_or(0, |drawn| drawn.balls.groups());
-        let floor = match SceneView::of(&world.scene, &world.roster) {
-            Ok(floor) => floor,
+        let before = self.drawn.take();
+        let drawn = match Drawn::of(world, &self.first) {
+            Ok(drawn) => drawn,
             Err(fault) => return self.note(true, &fault.to_string()),
         };
-        blueprint::send(&mut self.rec, floor.extent())?;
-        Plots::log_names(&self.rec)?;
-        floor.log(&self.rec)?;
-        let balls = BallView::of(&world.roster);
-        balls.log_roster(&self.rec, &world.roster, stale)?;
-        let plan = floor.tessellation();
+        if !before.as_ref().is_some_and(|before| drawn.looks_like(before)) {
+            blueprint::send(&mut self.rec, drawn.sights(), &self.first, before.is_some())?;
+        }
+        if before.is_none() {
+            Plots::log_names(&self.rec)?;
+        }
+        drawn.log(&self.rec, before.as_ref())?;
+        if let Some(name) = self.first.missing(&world.roster) {
+            self.note(true, &format!("no ball is named {name}: another one is followed"))?;
+        }
+        let plan = drawn.tessellation();
         let (triangles, sagitta) = (plan.triangles(), plan.sagitta_m * 1e3);
         let text = format!("floor drawn with {triangles} triangles, within {sagitta:.3} mm of the surface");
         self.note(
             plan.bounded,
             &if plan.bounded { text + " (coarser than wanted: too many triangles)" } else { text },
         )?;
-        self.drawn = Some(Drawn {
-            scene: world.scene.clone(),
-            roster: world.roster.clone(),
-            trails: TrailView::of(&world.roster),
-            hits: HitView::of(&world.roster),
-            floor,
-            balls,
-        });
+        self.drawn = Some(drawn);
         Ok(())
     }
 
     fn state(&mut self, state: &Snapshot, news: &News) -> RecordingStreamResult<()> {
         let Some(drawn) = &mut self.drawn else { return Ok(()) };
-        let count = drawn.roster.names.len();
-        let lengths = [state.uv.len(), state.center_m.len(), state.orientation_xyzw.len()];
-        if state.epoch != self.epoch || lengths != [count; 3] {
+        if state.epoch != self.epoch || !drawn.fits(state) {
             // Another epoch's state belongs to a world that is still to come.
             return Ok(());
         }
         self.moment = following(self.moment, state, self.ahead_ns);
         self.set_at = Instant::now();
         self.rec.at(self.moment);
-        let floor = &drawn.floor;
-        let ring = |ball: usize| {
-            let [u, v] = state.uv[ball];
-            Ring { center: floor.above([u, v]), normal: floor.normal([u, v]) }
-        };
-        drawn.balls.log_state(&self.rec, state, ring)?;
-        drawn.trails.log_state(&self.rec, state, |uv| floor.above(uv))?;
-        drawn.hits.log_state(&self.rec, state)?;
+        drawn.log_state(&self.rec, state)?;
         self.plots.log_state(&self.rec, state, news.counts)
     }
 
@@ -190,7 +167,7 @@ mod tests {
     use crate::recording::{SIM_TIME, TICK, WALL_TIME};
     use crate::slot::Counts;
     use crate::testing::{self, Ride};
-    use crate::{ball_view, hit_view, plots, scene_view, trail_view};
+    use crate::{ball_view, energy_plots, hit_view, net_view, overlay_view, plots, scene_view, trail_view};
     use protocol::event::{Event, Other};
     use protocol::stats::Stats;
     use rerun::RecordingStreamBuilder;
@@ -227,7 +204,7 @@ mod tests {
     /// Two epochs of `ticks` each, with hits and statistics on the way.
     fn ride(path: &Path, ticks: u64) {
         let stream = RecordingStreamBuilder::new("ballroom_test").save(path).unwrap();
-        let mut view = View::new(Recording::new(stream));
+        let mut view = View::new(Recording::new(stream), NamedView::default());
         let mut world = testing::original();
         for epoch in 1..=2 {
             world.snapshot.epoch = epoch;
@@ -273,7 +250,7 @@ mod tests {
         let ticks = 240;
         ride(&path, ticks);
         let entities = read_back(&path);
-        for once in [scene_view::FLOOR, scene_view::FLOOR_LINES, scene_view::WALLS] {
+        for once in [scene_view::FLOOR, scene_view::FLOOR_LINES, scene_view::WALLS, net_view::NET] {
             assert_eq!(rows(&entities, once), 1, "{once}: an unchanged scene is logged once");
             assert!(entities[&format!("/{once}")][0].is_static());
         }
@@ -282,10 +259,17 @@ mod tests {
             let path = format!("{}/{group}", ball_view::BALLS);
             assert_eq!(rows(&entities, &path), 1 + 2 * ticks as usize, "{path}");
         }
+        for path in [overlay_view::CONTACTS, overlay_view::VELOCITIES, overlay_view::REACTIONS] {
+            // Once more for the epoch in which the roster was cleared.
+            assert!((2 * ticks as usize..=1 + 2 * ticks as usize).contains(&rows(&entities, path)), "{path}");
+        }
         let tracks = rows(&entities, trail_view::TRAILS);
         assert!((60..100).contains(&tracks), "tracks are logged ten times a second: {tracks}");
         assert!(rows(&entities, hit_view::HITS) > 100);
-        for plot in [plots::ENERGY, plots::HITS, plots::TICK_TIME, plots::SPEED, plots::BRIDGE, LOG] {
+        for plot in [plots::ENERGY, plots::HITS, plots::TICK_TIME, plots::SPEED, plots::BRIDGE, LOG]
+            .into_iter()
+            .chain([energy_plots::PARTS, energy_plots::SPIN, energy_plots::REACTION])
+        {
             assert!(rows(&entities, plot) > 2, "{plot}");
         }
         for chunk in entities.values().flatten().filter(|chunk| !chunk.is_static()) {
@@ -305,7 +289,7 @@ mod tests {
     #[test]
     fn states_of_an_unknown_epoch_or_of_another_roster_are_not_drawn() {
         let (rec, storage) = testing::recording();
-        let mut view = View::new(rec);
+        let mut view = View::new(rec, NamedView::default());
         let world = testing::original();
         view.show(&News { world: Some(Arc::new(world.clone())), ..News::default() }).unwrap();
         view.recording().stream().flush_blocking().unwrap();
@@ -323,7 +307,7 @@ mod tests {
     #[test]
     fn another_scene_replaces_the_drawn_one() {
         let (rec, storage) = testing::recording();
-        let mut view = View::new(rec);
+        let mut view = View::new(rec, NamedView::default());
         let mut world = testing::original();
         view.show(&News { world: Some(Arc::new(world.clone())), ..News::default() }).unwrap();
         world.snapshot.epoch = 2;
@@ -345,13 +329,13 @@ mod tests {
         let groups: Vec<usize> =
             (0..3).map(|group| static_rows[&format!("/{}/{group}", ball_view::BALLS)]).collect();
         assert_eq!(groups, [2, 2, 2]);
-        assert_eq!(static_rows[&format!("/{}", scene_view::FLOOR)], 2);
+        assert_eq!(static_rows[&format!("/{}", scene_view::FLOOR)], 1, "the floor is the same");
     }
 
     #[test]
     fn wall_time_goes_on_with_another_servers_clock_an_hour_behind() {
         let (rec, _storage) = testing::recording();
-        let mut view = View::new(rec);
+        let mut view = View::new(rec, NamedView::default());
         let mut world = testing::original();
         view.show(&News { world: Some(Arc::new(world.clone())), ..News::default() }).unwrap();
         let before = view.moment.wall_ns;

@@ -49,6 +49,11 @@ fn wrong_usage_ends_with_2() {
         (VIEWER, &["--arena", "a/b"]),
         // A viewer that shows nothing and keeps nothing is a mistake.
         (VIEWER, &["--no-viewer"]),
+        (VIEWER, &["--no-viewer", "--listen", "0.0.0.0", "--save", "ride.rrd"]),
+        // A server's endpoint is no viewer.
+        (VIEWER, &["--connect", "tcp/127.0.0.1:7447"]),
+        (VIEWER, &["--view", "moon"]),
+        (DEMO, &["--view", "moon"]),
         (DEMO, &["--rate", "1001"]),
         (DEMO, &["--for", "-1"]),
     ] {

@@ -8,6 +8,7 @@ use protocol::command::{Command, CommandFault, Reply};
 use protocol::event::Events;
 use protocol::keys::{Keys, Name, Role};
 use protocol::listing::{Balls, Features, Scenes, Selection};
+use protocol::parameter::Parameters;
 use protocol::player::Players;
 use protocol::scene::Scene;
 use protocol::snapshot::{Snapshot, World};
@@ -181,6 +182,11 @@ impl Client {
     /// The newest statistics.
     pub fn stats(&self) -> Result<Stats, ClientError> {
         Ok(codec::decode_json(&self.ask(&self.keys.srv_stats())?)?)
+    }
+
+    /// Numbers of the scene, and which of them may be set.
+    pub fn parameters(&self) -> Result<Parameters, ClientError> {
+        Ok(codec::decode_json(&self.ask(&self.keys.srv_parameters())?)?)
     }
 
     /// Some or all balls as they are now.

@@ -51,7 +51,8 @@ pub struct Report {
     pub fallbacks: u64,
     /// Ball-seconds during which the floor would have had to pull.
     pub negative_reaction: f64,
-    /// Energy that pushes and held forces have put in, J; of a force still held, up to the present arc.
+    /// Energy put in from outside, J: by pushes and held forces (of one still held, up to the present arc), and by setting
+    /// balls anew, adding and removing them, and changing the floor or gravity under them.
     pub steering_work: f64,
     /// Integration steps, kept and thrown away.
     pub steps: u64,

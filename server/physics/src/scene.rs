@@ -31,7 +31,7 @@ pub struct Scene {
 pub const HIT_BUDGET: u32 = 1 << 22;
 
 /// The floor, as one Bezier patch over (u, v) in the unit square.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Floor {
     /// A net of control points.
     Bezier(BezierPatch),

@@ -48,8 +48,8 @@ pub struct RunUntil {
 #[derive(clap::Args)]
 #[command(after_help = "\
 Scopes: all = everything, a new epoch; time = the clock and every count, the balls stay as they are, a new epoch;
-state = places, velocities and spins, the clock goes on; spawned = what was not in the scene,
-refused as long as nothing can be spawned.
+state = places, velocities and spins, the clock goes on; spawned = balls that were spawned go,
+the clock goes on.
 
 Examples:
   ballroom reset

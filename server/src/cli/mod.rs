@@ -7,9 +7,12 @@ mod clock;
 mod completions;
 mod connection;
 mod exit;
+mod floor;
 mod hardcases;
 mod lines;
+mod numbers;
 mod pad;
+mod parameters;
 mod play;
 mod players;
 mod replay;
@@ -57,6 +60,8 @@ enum Subcommands {
     Reset(clock::Reset),
     Speed(clock::Speed),
     Balls(Box<balls::Balls>),
+    Floor(floor::Floor),
+    Parameters(parameters::Parameters),
     Load(world::Load),
     Scenes(world::Scenes),
     Features(world::Features),
@@ -88,6 +93,8 @@ pub fn main() -> ExitCode {
         Subcommands::Step(step) => step.run(),
         Subcommands::RunUntil(run) => run.run(),
         Subcommands::Balls(balls) => balls.run(),
+        Subcommands::Floor(floor) => floor.run(),
+        Subcommands::Parameters(parameters) => parameters.run(),
         Subcommands::Load(load) => load.run(),
         Subcommands::Scenes(scenes) => scenes.run(),
         Subcommands::Features(features) => features.run(),

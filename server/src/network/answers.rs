@@ -37,6 +37,8 @@ pub enum Answer {
     Scenes,
     /// The scene as served.
     Scene,
+    /// Its numbers.
+    Parameters,
     /// The newest statistics.
     Stats,
     /// Frames, units, versions.
@@ -82,6 +84,7 @@ fn send(latest: &Latest, players: &Players, query: &Query, answer: Answer) {
         Answer::Features => json(&crate::features::features()),
         Answer::Scenes => json(&crate::features::scenes()),
         Answer::Scene => json(&*latest.stage().scene),
+        Answer::Parameters => json(&latest.parameters()),
         Answer::Stats => json(&latest.stats()),
         Answer::Info => json(&latest.info),
         Answer::Fault(why) => {

@@ -24,6 +24,7 @@ use crate::simulation::{Simulation, Stage};
 use crate::workshop::{Bench, Workshop};
 use protocol::info::Info;
 use protocol::keys::{Keys, Name, Role};
+use protocol::parameter::Parameters;
 use protocol::snapshot::{Snapshot, World};
 use protocol::stats::Stats;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -85,6 +86,11 @@ impl Latest {
 
     fn stage(&self) -> Stage {
         self.present().stage.clone()
+    }
+
+    fn parameters(&self) -> Parameters {
+        let Stage { epoch, scene, .. } = self.stage();
+        Parameters { epoch, parameters: crate::parameters::list(&scene, self.info.tick_rate_hz) }
     }
 
     fn present(&self) -> MutexGuard<'_, Present> {

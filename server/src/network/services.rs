@@ -41,6 +41,7 @@ impl Services {
         };
         declare(keys.srv_snapshot(), world)?;
         declare(keys.srv_scene(), |_| Ok(Answer::Scene))?;
+        declare(keys.srv_parameters(), |_| Ok(Answer::Parameters))?;
         declare(keys.srv_stats(), |_| Ok(Answer::Stats))?;
         declare(keys.srv_info(), |_| Ok(Answer::Info))?;
         declare(keys.srv_features(), |_| Ok(Answer::Features))?;

@@ -5,7 +5,7 @@ use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
 use crate::workshop::{Bench, Ready};
 use protocol::codec;
-use protocol::command::Command;
+use protocol::command::{Command, Refusal};
 use protocol::snapshot::Snapshot;
 use serde::Serialize;
 use std::io::Read;
@@ -154,7 +154,7 @@ impl Run {
         command.check().map_err(|fault| RecordingFault::Damaged(format!("command {order}: {fault}")))?;
         self.advance_to(*epoch, *tick)?;
         self.verdict.commands += 1;
-        let refused = obey(&mut self.simulation, &mut self.bench, command).err();
+        let refused = obey(&mut self.simulation, &self.bench, command).err();
         Ok(refused.map(|why| self.difference("command", "obeyed".to_owned(), format!("refused: {why}"))))
     }
 
@@ -217,19 +217,28 @@ impl Run {
 
 /// What a command does to the world; the clock is none of a replay's. What needs making ready is made from the command
 /// alone, as the server's workshop made it.
-pub(super) fn obey(simulation: &mut Simulation, bench: &mut Bench, command: &Command) -> Result<(), String> {
-    let (ready, next) = bench.prepare(command).map_err(|refusal| refusal.to_string())?;
-    match (ready, command) {
+pub(super) fn obey(simulation: &mut Simulation, bench: &Bench, command: &Command) -> Result<(), String> {
+    let refused = |refusal: Refusal| refusal.to_string();
+    match (bench.prepare(command).map_err(refused)?, command) {
         (Ready::World(mut world), _) => simulation.give_way_to(&mut world),
-        (Ready::Seats(seats), _) => simulation.set_balls(&seats).map_err(|refusal| refusal.to_string())?,
+        (Ready::Change(mut change), _) => simulation.change(&mut change).map_err(refused)?,
+        (Ready::Seats(world, seats), _) => simulation.set_balls(&world, &seats).map_err(refused)?,
         (Ready::Nothing, Command::Steer { ball, direction, mode }) => {
             simulation.steer(ball.as_deref(), *direction, *mode)?;
         }
-        (Ready::Nothing, Command::Reset { scope, .. }) => simulation.reset(*scope),
+        (Ready::Nothing, Command::Reset { scope, .. }) => simulation.reset(*scope).map_err(refused)?,
+        (Ready::Nothing, Command::Delete(selection)) => {
+            let mut change = simulation.deletion(selection).map_err(refused)?;
+            simulation.change(&mut change).map_err(refused)?;
+        }
+        (
+            Ready::Nothing,
+            Command::SetBalls { select: Some(select), velocity_m_per_s, spin_rad_per_s, .. },
+        ) => {
+            let velocity = velocity_m_per_s.map(Into::into);
+            simulation.set_selected(select, velocity, *spin_rad_per_s).map_err(refused)?;
+        }
         (Ready::Nothing, _) => {}
-    }
-    if let Some(next) = next {
-        *bench = next;
     }
     Ok(())
 }

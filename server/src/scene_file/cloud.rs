@@ -119,7 +119,13 @@ fn place(
                 velocity: Vector3::new(velocity.x, velocity.y, 0.0),
                 spin: 0.0,
             },
-            card: Card { field: format!("cloud[{index}]"), color_rgb: None, player: false },
+            card: Card {
+                field: format!("cloud[{index}]"),
+                color_rgb: None,
+                player: false,
+                tags: super::distinct(&cloud.tags),
+                is_spawned: false,
+            },
         });
     }
     Ok(out)

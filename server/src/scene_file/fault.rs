@@ -5,10 +5,16 @@ use ballroom_physics::SceneFault;
 
 /// The engine's fault with file, line and field.
 pub fn locate(loaded: &LoadedScene, fault: &SceneFault) -> SceneError {
+    let (field, message) = name(loaded, fault);
+    loaded.source.error(field, message)
+}
+
+/// The engine's fault with the field it is about.
+pub fn name(loaded: &LoadedScene, fault: &SceneFault) -> (String, String) {
     let card = |i: usize| loaded.cards.get(i).map_or("ball", |card| card.field.as_str());
     let name = |i: usize| loaded.physics.balls.get(i).map_or("?", |ball| ball.name.as_str());
     let wall = |i: usize| loaded.wall_fields.get(i).map_or("walls", String::as_str);
-    let (field, message) = match fault {
+    match fault {
         SceneFault::Number { field, value, want } => {
             (number_field(field, card, wall), format!("is {value}: {want}"))
         }
@@ -49,8 +55,7 @@ pub fn locate(loaded: &LoadedScene, fault: &SceneFault) -> SceneError {
         SceneFault::Degenerate { .. } => {
             ("floor".to_owned(), format!("{fault}: move its control points apart, or untwist them"))
         }
-    };
-    loaded.source.error(field, message)
+    }
 }
 
 /// The engine's `balls[2].radius` as the file's `ball[2].radius_m`.

@@ -5,7 +5,7 @@ use super::{SceneError, SceneText, palette};
 use ballroom_physics::surface::bezier::MAX_DEGREE;
 use protocol::codec::{MAX_BALL_NAME_BYTES, MAX_BALLS};
 use protocol::keys::Name;
-use protocol::scene::{Accuracy, Ball, Cloud, Floor, Inertia, Scene};
+use protocol::scene::{Accuracy, Ball, Cloud, Floor, Inertia, MAX_TAGS, Scene};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -53,7 +53,7 @@ pub fn check(text: &SceneText, scene: &Scene) -> Result<(), SceneError> {
     }
     let mut names = BTreeMap::new();
     for (i, ball) in scene.balls.iter().enumerate() {
-        check.ball(i, ball)?;
+        check.ball(&format!("ball[{i}]"), ball)?;
         if let Some(first) = names.insert(ball.name.as_str(), i) {
             let message =
                 format!("is {:?} like ball[{first}]'s: give each ball a name of its own", ball.name);
@@ -61,6 +61,11 @@ pub fn check(text: &SceneText, scene: &Scene) -> Result<(), SceneError> {
         }
     }
     Ok(())
+}
+
+/// Refuses the first number or name of a ball out of its range; `field` is what it stands under.
+pub fn check_ball(text: &SceneText, field: &str, ball: &Ball) -> Result<(), SceneError> {
+    Check { text }.ball(field, ball)
 }
 
 struct Check<'a> {
@@ -178,8 +183,8 @@ impl Check<'_> {
         scene.walls.drawn_height_m.map_or(Ok(()), |height| self.number("walls.drawn_height_m", height, &SIZE))
     }
 
-    fn ball(&self, i: usize, ball: &Ball) -> Result<(), SceneError> {
-        let field = |name: &str| format!("ball[{i}].{name}");
+    fn ball(&self, place: &str, ball: &Ball) -> Result<(), SceneError> {
+        let field = |name: &str| format!("{place}.{name}");
         if ball.name.is_empty()
             || ball.name.len() > MAX_BALL_NAME_BYTES
             || ball.name.contains(char::is_control)
@@ -195,7 +200,7 @@ impl Check<'_> {
         let given = places.iter().filter(|(_, place)| place.is_some()).count();
         if given != 1 {
             let message = format!("has {given} places: give exactly one of center_m, contact_m and uv");
-            return self.refuse(format_args!("ball[{i}]"), message);
+            return self.refuse(place, message);
         }
         for (name, place) in places {
             let range = if name == "uv" { 0.0..=1.0 } else { PLACE };
@@ -203,11 +208,25 @@ impl Check<'_> {
         }
         self.all(field("velocity_m_per_s"), &ball.velocity_m_per_s, &SPEED)?;
         self.number(field("spin_rad_per_s"), ball.spin_rad_per_s, &(-1e6..=1e6))?;
+        self.tags(field("tags"), &ball.tags)?;
         match &ball.color {
             Some(color) if palette::parse(color).is_none() => {
                 self.refuse(field("color"), format!("is {color:?}: write it as \"#rrggbb\""))
             }
             _ => Ok(()),
+        }
+    }
+
+    fn tags(&self, field: impl Display, tags: &[String]) -> Result<(), SceneError> {
+        if tags.len() > MAX_TAGS {
+            return self.refuse(field, format!("has {} tags: use at most {MAX_TAGS}", tags.len()));
+        }
+        match tags.iter().position(|tag| tag.parse::<Name>().is_err()) {
+            Some(i) => self.refuse(
+                format_args!("{field}[{i}]"),
+                format!("is {:?}: use 1 to 32 of a-z, 0-9, _ and -", tags[i]),
+            ),
+            None => Ok(()),
         }
     }
 
@@ -226,6 +245,7 @@ impl Check<'_> {
         self.inertia(field("inertia"), cloud.inertia)?;
         self.all(field("around_m"), &cloud.around_m, &PLACE)?;
         self.number(field("within_m"), cloud.within_m, &SIZE)?;
+        self.tags(field("tags"), &cloud.tags)?;
         self.number(field("speed_rms_m_per_s"), cloud.speed_rms_m_per_s, &(0.0..=*SPEED.end()))
     }
 }

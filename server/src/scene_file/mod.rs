@@ -1,6 +1,7 @@
 //! Scene files: from the text people write to what the engine takes, refusing with file, line and field.
 
 mod cloud;
+mod edit;
 mod fault;
 mod floor;
 mod limits;
@@ -9,6 +10,7 @@ mod stretch;
 mod walls;
 
 use ballroom_physics as physics;
+pub use edit::Edited;
 use nalgebra::Vector3;
 use protocol::scene::{Accuracy, Integrator, Motion, Scene};
 pub use protocol::scene_text::SceneError;
@@ -113,6 +115,11 @@ impl SceneText {
         self
     }
 
+    /// What places the clouds instead of their own seeds.
+    pub const fn seed(&self) -> Option<u64> {
+        self.seed
+    }
+
     /// Where it came from, for messages.
     pub fn file(&self) -> &str {
         &self.file
@@ -206,6 +213,10 @@ pub(crate) struct Card {
     pub color_rgb: Option<[u8; 3]>,
     /// Whether a player may steer it.
     pub player: bool,
+    /// What it is selected by.
+    pub tags: Vec<String>,
+    /// Whether it came by a command.
+    pub is_spawned: bool,
 }
 
 impl LoadedScene {
@@ -227,10 +238,6 @@ impl LoadedScene {
     /// Sets the engine up, naming the place in the file when it refuses.
     pub fn controller(&self) -> Result<physics::Controller, SceneError> {
         physics::Controller::new(&self.physics).map_err(|fault| fault::locate(self, &fault))
-    }
-
-    pub(crate) fn cards(&self) -> &[Card] {
-        &self.cards
     }
 }
 
@@ -263,9 +270,19 @@ impl Placed {
                 field: format!("ball[{index}]"),
                 color_rgb: ball.color.as_deref().and_then(palette::parse),
                 player: ball.player,
+                tags: distinct(&ball.tags),
+                is_spawned: false,
             },
         }
     }
+}
+
+/// Tags in order, each once.
+fn distinct(tags: &[String]) -> Vec<String> {
+    let mut tags = tags.to_vec();
+    tags.sort_unstable();
+    tags.dedup();
+    tags
 }
 
 #[cfg(test)]

@@ -21,9 +21,14 @@ pub fn parse(text: &str) -> Option<[u8; 3]> {
     Some([red, green, blue])
 }
 
+/// The colour of a place in the list.
+pub const fn of_place(place: usize) -> [u8; 3] {
+    PALETTE[place % PALETTE.len()]
+}
+
 /// Gives every ball without a colour the one of its place.
 pub fn colour(balls: &mut [Placed]) {
-    for (ball, color) in balls.iter_mut().zip(PALETTE.iter().cycle()) {
-        ball.card.color_rgb.get_or_insert(*color);
+    for (place, ball) in balls.iter_mut().enumerate() {
+        ball.card.color_rgb.get_or_insert(of_place(place));
     }
 }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::handover::Batch;
 use crate::scene_file::SceneText;
-use protocol::command::{Scope, SpeedName};
+use protocol::command::SpeedName;
 use std::sync::mpsc::{Receiver, channel};
 
 const RESET: Command = Command::Reset { scope: Scope::All, seed: None };
@@ -90,7 +90,7 @@ fn a_pause_ends_a_run_and_whoever_asked_is_told() {
         std::thread::yield_now();
     }
     let paused = running.ask(Command::Pause {});
-    let long = long.recv_timeout(Duration::from_secs(10)).unwrap();
+    let long = long.recv_timeout(Duration::from_mins(1)).unwrap();
     assert_eq!((long.ok, long.code, long.tick), (false, code::INTERRUPTED, paused.tick));
     assert_eq!(running.ask(Command::Step { ticks: 1 }).tick, paused.tick + 1);
 }
@@ -118,7 +118,7 @@ fn commands_out_of_place_are_refused_with_a_reason() {
     let more = running.ask(Command::Step { ticks: 1 });
     assert!(!more.ok && more.error.contains("still being made"), "{more:?}");
     assert!(running.ask(Command::Resume {}).ok);
-    let long = long.recv_timeout(Duration::from_secs(10)).unwrap();
+    let long = long.recv_timeout(Duration::from_mins(1)).unwrap();
     assert!(!long.ok && long.error.contains("resumed"), "{long:?}");
 }
 
@@ -126,13 +126,17 @@ fn commands_out_of_place_are_refused_with_a_reason() {
 fn speed_scales_the_ticks_a_second() {
     let running = Running::start(false, 100);
     assert!(running.ask(speed(4.0)).ok);
-    let from = running.ask(speed(4.0)).tick;
-    let began = Instant::now();
-    std::thread::sleep(Duration::from_millis(500));
-    let ticks = running.ask(Command::Pause {}).tick - from;
-    let wanted = 400.0 * began.elapsed().as_secs_f64();
-    // A loaded machine may lose ticks, none makes more.
-    assert!(ticks as f64 <= wanted + 4.0 && ticks as f64 >= 0.5 * wanted, "{ticks} of {wanted}");
+    // A loaded machine may lose ticks, for a while all of them; none makes more.
+    let is_near = |_| {
+        let from = running.ask(speed(4.0)).tick;
+        let began = Instant::now();
+        std::thread::sleep(Duration::from_millis(200));
+        let ticks = (running.ask(speed(4.0)).tick - from) as f64;
+        let wanted = 400.0 * began.elapsed().as_secs_f64();
+        assert!(ticks <= wanted + 4.0, "{ticks} of {wanted}");
+        ticks >= 0.5 * wanted
+    };
+    assert!((0..100).any(is_near));
 }
 
 #[test]
@@ -141,8 +145,10 @@ fn a_clock_made_faster_does_not_wait_for_the_slow_tick() {
     let slow = running.ask(speed(0.01));
     std::thread::sleep(Duration::from_millis(1500));
     assert!(slow.ok && running.ask(speed(100.0)).ok);
-    std::thread::sleep(Duration::from_millis(500));
-    assert!(running.ask(Command::Pause {}).tick > slow.tick + 10);
+    // At a hundredth of a tick a second these would take a quarter of an hour.
+    while running.ask(speed(100.0)).tick < slow.tick + 10 {
+        std::thread::sleep(Duration::from_millis(20));
+    }
 }
 
 #[test]

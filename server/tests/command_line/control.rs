@@ -40,9 +40,6 @@ fn a_run_until_a_time_ends_there_and_a_reset_takes_back_what_was_asked() {
     let error = state.snapshot.energy_j - state.snapshot.steering_work_j - start.snapshot.energy_j;
     assert!(error.abs() < 1e-9 * start.snapshot.energy_j.abs(), "{error} J");
 
-    let spawned = server.json(4, &["reset", "--scope", "spawned"]);
-    assert_eq!(spawned["code"], code::FEATURE_UNSUPPORTED);
-
     // The clock: the balls stay.
     assert_eq!(server.json(0, &["step", "30"])["tick"], 180);
     let before = server.client().snapshot().unwrap();
@@ -131,13 +128,13 @@ fn balls_are_set_all_or_none_and_listed() {
         (vec![ball("blue", 3.0, 3.0), ball("blue", 4.0, 3.0)], code::OPERATION_FAILED, "twice"),
         (vec![ball("green", 3.0, 3.0)], code::NOT_FOUND, "\"green\""),
     ] {
-        let reply = client.command(&Command::SetBalls { balls }).unwrap();
+        let reply = client.command(&Command::set_balls(balls)).unwrap();
         assert!(!reply.ok && reply.code == code && reply.error.contains(why), "{reply:?}");
         assert_eq!(client.snapshot().unwrap().snapshot.state_hash, before.snapshot.state_hash);
     }
     let places = [center(&before, "blue"), center(&before, "red")];
     let swap = vec![ball("red", places[0][0], places[0][1]), ball("blue", places[1][0], places[1][1])];
-    assert!(client.command(&Command::SetBalls { balls: swap }).unwrap().ok);
+    assert!(client.command(&Command::set_balls(swap)).unwrap().ok);
     let after = client.snapshot().unwrap();
     for (name, place) in ["red", "blue"].iter().zip(places) {
         let now = center(&after, name);

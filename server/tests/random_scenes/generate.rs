@@ -224,6 +224,7 @@ fn ball(random: &mut Random, number: usize, radius_m: f64, mass_kg: f64) -> Ball
         spin_rad_per_s: 0.0,
         color: None,
         player: number == 0,
+        tags: vec![],
     }
 }
 

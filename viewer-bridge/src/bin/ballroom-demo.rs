@@ -6,6 +6,7 @@ use ballroom_client::{Abort, Client, ClientOptions, Patience};
 use clap::Parser;
 use crossterm::event::{self, Event};
 use server::{Arena, ArenaHandle, ArenaOptions, SceneText};
+use std::net::IpAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -15,6 +16,8 @@ use viewer_bridge::demo::keys::{Keys, Wish};
 use viewer_bridge::demo::pilot::Pilot;
 use viewer_bridge::demo::screen::{self, LogLines, RawMode};
 use viewer_bridge::demo::status::Status;
+use viewer_bridge::live;
+use viewer_bridge::named_view::NamedView;
 use viewer_bridge::process;
 use viewer_bridge::slot::Slot;
 
@@ -53,6 +56,12 @@ struct Arguments {
     /// Write everything to this Rerun recording too
     #[arg(long, value_name = "FILE.rrd")]
     save: Option<PathBuf>,
+    /// View to open with: overview, top, side, vectors, net, follow or follow:BALL
+    #[arg(long, value_name = "VIEW", default_value = "overview")]
+    view: NamedView,
+    /// Let other machines watch: the address to serve viewers on, 0.0.0.0 for all this machine has
+    #[arg(long, value_name = "ADDRESS", conflicts_with = "no_viewer")]
+    listen: Option<IpAddr>,
     /// Serve no viewer and open none
     #[arg(long, visible_alias = "headless")]
     no_viewer: bool,
@@ -89,9 +98,11 @@ fn run(arguments: &Arguments) -> Result<()> {
         Arena::start(&scene, &ArenaOptions { tick_rate_hz: arguments.rate, ..ArenaOptions::default() })?;
     tracing::info!("scene {} at {} Hz on {}", arguments.scene, arguments.rate, arena.endpoint());
     let bridge = Bridge::start(&Options {
-        live: !arguments.no_viewer,
+        serve: (!arguments.no_viewer).then(|| arguments.listen.unwrap_or(live::LOOPBACK)),
+        connect: None,
         save: arguments.save.clone(),
         frames_per_second: 60,
+        view: arguments.view.clone(),
     })?;
     let result = join(arguments, &abort, &arena, &bridge);
     abort.abort();

@@ -19,9 +19,9 @@ from ballroom.errors import (
     RefusedError,
 )
 from ballroom.feeds import Hits, States
-from ballroom.frames import Ball, Hit, Player, Reply, Roster, State, World
+from ballroom.frames import Ball, Hit, Parameter, Player, Reply, Roster, State, World
 from ballroom.launch import launch
-from ballroom.server import BallSetting, Direction, Scope, Server, connect
+from ballroom.server import BallSetting, Direction, NewBall, Rectangle, Scope, Selection, Server, connect
 
 __all__ = [
     "Acted",
@@ -35,14 +35,18 @@ __all__ = [
     "Hit",
     "Hits",
     "LostBallError",
+    "NewBall",
     "NoAnswerError",
     "NoServerError",
     "OutOfStepError",
+    "Parameter",
     "Player",
+    "Rectangle",
     "RefusedError",
     "Reply",
     "Roster",
     "Scope",
+    "Selection",
     "Server",
     "State",
     "States",

@@ -27,8 +27,14 @@ class Roster:
     names: tuple[str, ...]
     radius_m: NDArray[np.float64]
     mass_kg: NDArray[np.float64]
+    inertia_factor: NDArray[np.float64]
+    """Moments of inertia over m r^2."""
     color_rgb: NDArray[np.uint8]
     player: NDArray[np.bool_]
+    tags: Mapping[str, tuple[int, ...]]
+    """The rows of the balls that have a tag."""
+    spawned: tuple[int, ...]
+    """The rows of those that were spawned."""
 
     @cached_property
     def rows(self) -> dict[str, int]:
@@ -56,6 +62,8 @@ class Ball:
     radius_m: float
     mass_kg: float
     player: bool
+    tags: tuple[str, ...]
+    spawned: bool
     uv: NDArray[np.float64]
     center_m: NDArray[np.float64]
     velocity_m_per_s: NDArray[np.float64]
@@ -71,7 +79,7 @@ class State:
     """
 
     epoch: int
-    """Changes with every start and reset; ticks of different epochs do not compare."""
+    """Changes with every start and reset, and when balls or the scene were changed from outside."""
     tick: int
     time_s: float
     """Simulated time."""
@@ -80,7 +88,7 @@ class State:
     paused: bool
     energy_j: float
     steering_work_j: float
-    """Energy put in by players; energy less this is constant while hits are elastic."""
+    """Energy put in from outside; energy less this is constant while hits are elastic."""
     ball_ball_hits: int
     ball_wall_hits: int
     state_hash: int
@@ -101,7 +109,7 @@ class State:
 
     @property
     def hits(self) -> int:
-        """Hits since the epoch began."""
+        """Hits since tick 0."""
         return self.ball_ball_hits + self.ball_wall_hits
 
     def __len__(self) -> int:
@@ -120,6 +128,8 @@ class State:
             radius_m=float(self.roster.radius_m[row]),
             mass_kg=float(self.roster.mass_kg[row]),
             player=bool(self.roster.player[row]),
+            tags=tuple(sorted(tag for tag, rows in self.roster.tags.items() if row in rows)),
+            spawned=row in self.roster.spawned,
             uv=self.uv[row],
             center_m=self.center_m[row],
             velocity_m_per_s=self.velocity_m_per_s[row],
@@ -178,6 +188,20 @@ class Player:
 
 
 @dataclass(frozen=True)
+class Parameter:
+    """A number or a word of the scene."""
+
+    name: str
+    value: float | list[float] | str
+    unit: str
+    settable: bool
+    """Whether it may be set while the scene runs."""
+    meaning: str
+    range: tuple[float, float] | None
+    """The least and the largest that it may be set to."""
+
+
+@dataclass(frozen=True)
 class Reply:
     """Where a command acted."""
 
@@ -203,8 +227,11 @@ def roster(fields: Mapping[str, Any]) -> Roster:
         names=tuple(fields["names"]),
         radius_m=_constant(np.array(fields["radius_m"], np.float64)),
         mass_kg=_constant(np.array(fields["mass_kg"], np.float64)),
+        inertia_factor=_constant(np.array(fields["inertia_factor"], np.float64)),
         color_rgb=_constant(np.array(fields["color_rgb"], np.uint8).reshape(-1, 3)),
         player=_constant(np.array(fields["player"], np.bool_)),
+        tags={tag: tuple(rows) for tag, rows in fields.get("tags", {}).items()},
+        spawned=tuple(fields.get("spawned", ())),
     )
 
 
@@ -243,7 +270,13 @@ def ball(fields: Mapping[str, Any]) -> Ball:
     """A ball from its JSON."""
     arrays = {name: _constant(np.array(fields[name], np.float64)) for name in _COLUMNS}
     plain = {name: fields[name] for name in ("name", "radius_m", "mass_kg", "player")}
-    return Ball(**{**plain, **arrays})
+    return Ball(**{**plain, **arrays, "tags": tuple(fields.get("tags", ())), "spawned": fields.get("spawned", False)})
+
+
+def parameter(fields: Mapping[str, Any]) -> Parameter:
+    """A parameter from its JSON."""
+    low_high = fields.get("range")
+    return Parameter(**{**fields, "range": None if low_high is None else tuple(low_high)})
 
 
 def hit(fields: Mapping[str, Any]) -> Hit:

@@ -22,13 +22,16 @@ from ballroom.errors import (
     RefusedError,
 )
 from ballroom.feeds import Hits, States
-from ballroom.frames import Ball, Player, Reply, State, World
+from ballroom.frames import Ball, Parameter, Player, Reply, State, World
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 """Where `ballroom serve` listens first."""
 
 Direction: TypeAlias = Literal["up", "down", "left", "right", "stop"] | Sequence[float]
 """A name (up is +y), or x and y of length at most 1."""
+
+Rectangle: TypeAlias = tuple[float, float, float, float]
+"""x0, y0, x1, y1 in metres, low before high."""
 
 Scope: TypeAlias = Literal["all", "time", "state", "spawned"]
 """What a reset takes back."""
@@ -43,6 +46,48 @@ class BallSetting(TypedDict, total=False):
     """Projected to the tangent plane."""
     spin_rad_per_s: float
     """About the floor's normal."""
+
+
+class Selection(TypedDict, total=False):
+    """Balls that meet every condition that is given, at least one."""
+
+    names: Sequence[str]
+    """Any of these."""
+    player: bool
+    """Whether a player may steer it."""
+    tag: str
+    spawned: bool
+    """Whether it was spawned, and is not of the scene."""
+    within_m: Rectangle
+    """Where the centre is."""
+
+
+class _Body(TypedDict):
+    radius_m: float
+    mass_kg: float
+
+
+class NewBall(_Body, total=False):
+    """A ball as a scene file has it: radius, mass and exactly one place, the rest may be left out."""
+
+    inertia: Literal["solid", "hollow"] | float
+    """Over m r^2; solid when absent."""
+    center_m: Sequence[float] | NDArray[np.float64]
+    """x and y of the centre."""
+    contact_m: Sequence[float] | NDArray[np.float64]
+    """x and y of the point where it touches the floor."""
+    uv: Sequence[float] | NDArray[np.float64]
+    """Parameters of that point."""
+    velocity_m_per_s: Sequence[float] | NDArray[np.float64]
+    """Projected to the tangent plane."""
+    spin_rad_per_s: float
+    """About the floor's normal."""
+    color: str
+    """`#rrggbb`."""
+    player: bool
+    """Whether a player may steer it."""
+    tags: Sequence[str]
+    """What to select it by."""
 
 
 _LOOK_AGAIN_S = 0.05
@@ -112,11 +157,18 @@ class Server:
         return self._ask_json("info")
 
     def balls(
-        self, *names: str, player: bool | None = None, within_m: tuple[float, float, float, float] | None = None
+        self,
+        *names: str,
+        player: bool | None = None,
+        tag: str | None = None,
+        spawned: bool | None = None,
+        within_m: Rectangle | None = None,
     ) -> dict[str, Ball]:
-        """Some balls as they are now: of these names, a player's or not, with the centre within x0, y0, x1, y1."""
+        """Some balls as they are now: those that meet every condition that is given."""
         words = [f"name={name}" for name in names]
         words += [] if player is None else [f"player={str(player).lower()}"]
+        words += [] if tag is None else [f"tag={tag}"]
+        words += [] if spawned is None else [f"spawned={str(spawned).lower()}"]
         words += [] if within_m is None else ["within=" + ",".join(repr(float(x)) for x in within_m)]
         answer = self._ask_json("balls", "?" + ";".join(words))
         if answer["left_out"]:
@@ -151,8 +203,7 @@ class Server:
         """Back to the scene's first state, as a new epoch; a clock that stands goes on standing.
 
         A seed places the scene's clouds of balls anew; without one they are where the scene's own seeds put them.
-        `time` takes back the clock only, `state` only the balls, `spawned` is refused as long
-        as nothing can be spawned.
+        `time` takes back the clock only, `state` only the balls, `spawned` takes away the balls that were spawned.
         """
         return self._command("reset", scope=scope, seed=seed, timeout_s=_AS_LONG_AS_IT_LIVES_S)
 
@@ -164,6 +215,65 @@ class Server:
         """Puts balls elsewhere by name, or gives them another velocity or spin: all of them, or none."""
         rows = [{"name": name} | {key: _plain(value) for key, value in ball.items()} for name, ball in balls.items()]
         return self._command("set_balls", balls=rows, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def set_selected(
+        self,
+        select: Selection,
+        *,
+        velocity_m_per_s: Sequence[float] | None = None,
+        spin_rad_per_s: float | None = None,
+    ) -> Reply:
+        """Gives every ball that is selected when it acts the same velocity or spin: all of them, or none."""
+        velocity = None if velocity_m_per_s is None else _plain(velocity_m_per_s)
+        return self._command(
+            "set_balls",
+            select=dict(select),
+            velocity_m_per_s=velocity,
+            spin_rad_per_s=spin_rad_per_s,
+            timeout_s=_AS_LONG_AS_IT_LIVES_S,
+        )
+
+    def spawn(self, balls: Mapping[str, NewBall]) -> Reply:
+        """Adds balls by name while the others roll: all of them, or none. A new epoch; the clock goes on."""
+        rows = [{"name": name} | {key: _jsonable(value) for key, value in ball.items()} for name, ball in balls.items()]
+        return self._command("spawn", balls=rows, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def delete(
+        self,
+        *names: str,
+        player: bool | None = None,
+        tag: str | None = None,
+        spawned: bool | None = None,
+        within_m: Rectangle | None = None,
+    ) -> Reply:
+        """Removes the balls that meet every condition when it acts. A new epoch; the clock goes on."""
+        return self._command(
+            "delete",
+            names=list(names) or None,
+            player=player,
+            tag=tag,
+            spawned=spawned,
+            within_m=within_m,
+            timeout_s=_AS_LONG_AS_IT_LIVES_S,
+        )
+
+    def move_control_points(self, points: Mapping[tuple[int, int], Sequence[float]]) -> Reply:
+        """Moves control points of the floor, by row and column: all of them, or none. A new epoch; the clock goes on.
+
+        Balls keep x, y, spin and orientation; the energy that takes counts as steering work.
+        """
+        rows = [{"row": row, "column": column, "to_m": _plain(to)} for (row, column), to in points.items()]
+        return self._command("move_control_points", points=rows, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def parameters(self) -> dict[str, Parameter]:
+        """Numbers of the scene by name, and which of them may be set."""
+        rows = self._ask_json("parameters")["parameters"]
+        return {row["name"]: frames.parameter(row) for row in rows}
+
+    def set_parameters(self, values: Mapping[str, float | Sequence[float]]) -> Reply:
+        """Sets some of them: all, or none. A new epoch; the clock goes on."""
+        plain = {name: _plain(value) for name, value in values.items()}
+        return self._command("set_parameters", values=plain, timeout_s=_AS_LONG_AS_IT_LIVES_S)
 
     def load_scene(self, name: str | None = None, *, toml: str | None = None) -> Reply:
         """Goes on with another scene as a new epoch: one of `scenes()` by name, or the text of a scene file."""
@@ -307,6 +417,12 @@ class Server:
 def connect(endpoint: str | None = None, arena: str = "main", timeout_s: float = 5.0) -> Server:
     """A session with a running server, waiting at most `timeout_s` for it, and as long for each answer."""
     return Server(endpoint, arena, timeout_s)
+
+
+def _jsonable(value: object) -> object:
+    """Words and lists of words as they are, numbers as JSON takes them."""
+    is_words = isinstance(value, Sequence) and all(isinstance(item, str) for item in value)
+    return value if isinstance(value, str | bool) or is_words else _plain(value)
 
 
 def _plain(value: object) -> object:

@@ -116,7 +116,14 @@ impl Controller {
         }
         self.hits.clear();
         self.observe();
-        true
+        self.is_on_its_floor()
+    }
+
+    /// Whether every ball stands where the floor is, with an energy that is a number: what words that fit together may
+    /// still not say.
+    fn is_on_its_floor(&self) -> bool {
+        let near = |x: &f64| (-0.5..=1.5).contains(x);
+        self.energy().is_finite() && self.states.iter().all(|state| state.uv.iter().all(near))
     }
 
     /// Hash of everything that influences the future; equal at equal times whatever the tick rate and the order

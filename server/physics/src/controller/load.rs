@@ -29,8 +29,28 @@ impl Controller {
     pub fn new(scene: &Scene) -> Result<Self, SceneFault> {
         check_numbers(scene)?;
         let patch = net_of(&scene.floor)?;
-        let largest = scene.balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
-        let certificate = certify_for(&patch, &-scene.gravity, largest);
+        let certificate = certify_for(&patch, &-scene.gravity, largest_radius(scene));
+        let mut controller = Self::standing(scene, patch, certificate, |_| None)?;
+        controller.check_room()?;
+        for ball in 0..controller.balls.len() {
+            let state = controller.arcs[ball].state;
+            controller.launch(ball, Time::ZERO, &state);
+        }
+        for ball in 0..controller.balls.len() {
+            controller.predict(ball);
+        }
+        controller.observe();
+        Ok(controller)
+    }
+
+    /// Every ball where the scene puts it, or as `known` says of its place in the list: at time zero, not yet on its way,
+    /// and not asked whether there is room. The scene's numbers have been checked.
+    pub(super) fn standing(
+        scene: &Scene,
+        patch: BezierPatch,
+        certificate: Certificate,
+        known: impl Fn(usize) -> Option<(Ball, State)>,
+    ) -> Result<Self, SceneFault> {
         check_floor(scene, &patch, &certificate)?;
         let surface = Surface::new(&scene.floor, &patch, certificate.orientation);
         let order = rank_by_name(&scene.balls)?;
@@ -46,13 +66,13 @@ impl Controller {
         let mut balls = Vec::with_capacity(order.len());
         let mut arcs: Vec<Arc> = radii.iter().map(|radius| Arc::empty(*radius)).collect();
         for (index, arc) in order.iter().zip(&mut arcs) {
-            let (ball, state) = set_down(scene, &surface, *index)?;
+            let (ball, state) = known(*index).map_or_else(|| set_down(scene, &surface, *index), Ok)?;
             ball.body.hold(&surface, (Time::ZERO, &state), 0.0, arc);
             arc.state = state;
             balls.push(ball);
         }
         let bounds = extent(&patch);
-        let mut controller = Self {
+        Ok(Self {
             broad_phase: BroadPhase::new(&radii, bounds),
             span: (bounds[2] - bounds[0]).max(bounds[3] - bounds[1]),
             queue: Queue::new(order.len()),
@@ -73,17 +93,7 @@ impl Controller {
             hits: Vec::with_capacity(HITS_KEPT),
             report: Report::default(),
             work: Work { scratch: Scratch::with_room(tolerance::CLUSTER_MAX + 1), cluster: Cluster::new() },
-        };
-        controller.check_room()?;
-        for ball in 0..controller.balls.len() {
-            let state = controller.arcs[ball].state;
-            controller.launch(ball, Time::ZERO, &state);
-        }
-        for ball in 0..controller.balls.len() {
-            controller.predict(ball);
-        }
-        controller.observe();
-        Ok(controller)
+        })
     }
 
     /// No ball in a wall, none in another.
@@ -125,7 +135,7 @@ fn number(field: String, value: f64, fine: bool, want: &'static str) -> Result<(
     if fine { Ok(()) } else { Err(SceneFault::Number { field, value, want }) }
 }
 
-fn check_numbers(scene: &Scene) -> Result<(), SceneFault> {
+pub(super) fn check_numbers(scene: &Scene) -> Result<(), SceneFault> {
     let small = |x: f64| x.abs() <= ABSURD;
     let positive = |x: f64| x > 0.0 && x <= ABSURD;
     for x in scene.gravity.iter() {
@@ -245,6 +255,11 @@ fn check_floor(scene: &Scene, patch: &BezierPatch, certificate: &Certificate) ->
         }
     }
     Ok(())
+}
+
+/// Of the scene's balls, m.
+pub(super) fn largest_radius(scene: &Scene) -> f64 {
+    scene.balls.iter().map(|ball| ball.radius).fold(0.0, f64::max)
 }
 
 /// Places in the scene's list by rank of name.

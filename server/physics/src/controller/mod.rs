@@ -8,6 +8,7 @@
 //! | a hit | `collide` |
 //! | a push, a held force | `steer` |
 //! | balls set anew, all or none | `reseat` |
+//! | other balls, another floor, other laws from now on | `succeed` |
 //! | what a tick shows: states, energy | `observe` |
 //! | a run as words: saved, restored, hashed | `checkpoint`, `plain` |
 
@@ -20,8 +21,10 @@ mod plain;
 mod predict;
 mod reseat;
 mod steer;
+mod succeed;
 
 pub use reseat::{Seat, SeatFault, Spot};
+pub use succeed::Successor;
 
 use crate::detect::ball_wall::Plane;
 use crate::detect::broad_phase::BroadPhase;

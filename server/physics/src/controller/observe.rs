@@ -8,21 +8,27 @@ use nalgebra::Vector2;
 impl Controller {
     /// Reads every ball's state at the caller's time off its arc.
     pub(super) fn observe(&mut self) {
-        for (ball, out) in self.states.iter_mut().enumerate() {
-            let b = &self.balls[ball];
-            let arc = &mut self.arcs[ball];
-            let dt = self.time.since(arc.start).max(0.0);
-            let (state, center, n) = arc.sample(&b.body, &self.surface, dt);
-            let w = velocity(&state);
-            let [u, v] = self.surface.uv([state[0], state[1]]);
-            let (omega, orientation) = if b.body.rolls {
-                (angular_velocity(&n, &w, state[5], b.body.radius), arc.orientation_at(dt))
-            } else {
-                let angle = b.free_omega * self.time.seconds();
-                (b.free_omega, rotation::of_rotation_vector(angle))
-            };
-            *out = BallState { uv: Vector2::new(u, v), center, normal: n, velocity: w, omega, orientation };
+        for ball in 0..self.balls.len() {
+            self.observe_one(ball);
         }
+    }
+
+    /// The same of one ball.
+    pub(super) fn observe_one(&mut self, ball: usize) {
+        let b = &self.balls[ball];
+        let arc = &mut self.arcs[ball];
+        let dt = self.time.since(arc.start).max(0.0);
+        let (state, center, n) = arc.sample(&b.body, &self.surface, dt);
+        let w = velocity(&state);
+        let [u, v] = self.surface.uv([state[0], state[1]]);
+        let (omega, orientation) = if b.body.rolls {
+            (angular_velocity(&n, &w, state[5], b.body.radius), arc.orientation_at(dt))
+        } else {
+            let angle = b.free_omega * self.time.seconds();
+            (b.free_omega, rotation::of_rotation_vector(angle))
+        };
+        self.states[ball] =
+            BallState { uv: Vector2::new(u, v), center, normal: n, velocity: w, omega, orientation };
     }
 
     /// Total energy at the controller's time, J: translation, rotation, height. The spin of a sliding ball, which

@@ -93,11 +93,11 @@ pub enum SeatFault {
 }
 
 /// A ball as it is to stand.
-#[derive(Clone, Copy)]
-struct Seated {
-    ball: usize,
-    state: State,
-    center: V3,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seated {
+    pub ball: usize,
+    pub state: State,
+    pub center: V3,
 }
 
 impl Controller {
@@ -123,8 +123,7 @@ impl Controller {
         if let Some(pair) = seated.windows(2).find(|pair| pair[0].ball == pair[1].ball) {
             return Err(SeatFault::Twice { ball: pair[0].ball });
         }
-        seated.iter().try_for_each(|seated| self.clear_of_walls(seated))?;
-        self.clear_of_balls(&seated)?;
+        self.find_room(&seated)?;
         for Seated { ball, state, .. } in &seated {
             self.seat(*ball, state);
         }
@@ -135,9 +134,23 @@ impl Controller {
         Ok(())
     }
 
-    /// Sets every ball as it stands in `other`, a controller of the same scene at a time of its own, and turned as there.
-    /// Held forces end.
-    pub fn set_as_in(&mut self, other: &Self) {
+    /// Sets every ball as it stands in `other`, a controller of the same scene at a time of its own, and turned as there,
+    /// if there is room for all of them. Held forces end.
+    pub fn set_as_in(&mut self, other: &Self) -> Result<(), SeatFault> {
+        let stand = other.now.max(other.time);
+        let seated = |ball: usize| {
+            let (arc, body) = (&other.arcs[ball], &other.balls[ball].body);
+            let state = arc.land(body, &other.surface, other.accuracy, stand.since(arc.start).max(0.0)).0;
+            Seated { ball, state, center: body.seat(&other.surface, &state).0 }
+        };
+        let all: Vec<_> = (0..self.balls.len().min(other.balls.len())).map(seated).collect();
+        self.find_room(&all)?;
+        self.stand_as_in(other);
+        Ok(())
+    }
+
+    /// The same without asking for room: where the balls touch and roll, rounding may have them overlap.
+    fn stand_as_in(&mut self, other: &Self) {
         self.now = self.now.max(self.time);
         let stand = other.now.max(other.time);
         for ball in 0..self.balls.len().min(other.balls.len()) {
@@ -160,7 +173,7 @@ impl Controller {
     #[must_use]
     pub fn at_time_zero(&self, start: &Self) -> Self {
         let mut fresh = start.clone();
-        fresh.set_as_in(self);
+        fresh.stand_as_in(self);
         fresh.report = crate::diagnostics::Report::default();
         fresh
     }
@@ -192,6 +205,12 @@ impl Controller {
             state[5] = spin * b.body.radius;
         }
         Ok(Seated { ball, state, center })
+    }
+
+    /// Refuses what would stand in a wall or in a ball. `seated` is in the order of ids.
+    pub(super) fn find_room(&mut self, seated: &[Seated]) -> Result<(), SeatFault> {
+        seated.iter().try_for_each(|seated| self.clear_of_walls(seated))?;
+        self.clear_of_balls(seated)
     }
 
     fn clear_of_walls(&self, seated: &Seated) -> Result<(), SeatFault> {
@@ -258,7 +277,7 @@ impl Controller {
     }
 
     /// Translation, spin and height of a ball in a state, J.
-    fn energy_of(&self, ball: usize, state: &State) -> f64 {
+    pub(super) fn energy_of(&self, ball: usize, state: &State) -> f64 {
         let b = &self.balls[ball];
         let k = b.body.inertia_factor;
         let (center, _) = b.body.seat(&self.surface, state);

@@ -61,8 +61,8 @@ impl Controller {
         self.observe();
     }
 
-    /// Energy that pushes and held forces have put in until the controller's time, J. Total energy less this is
-    /// constant while every hit is elastic.
+    /// Energy put in from outside until the controller's time, J: by pushes and held forces, by balls set anew, added and
+    /// removed, by a floor or a gravity changed under them. Total energy less this is constant while every hit is elastic.
     pub fn steering_work(&self) -> f64 {
         let running: f64 = (0..self.balls.len()).map(|ball| self.work_of_force(ball, self.time)).sum();
         self.report.steering_work + running

@@ -11,11 +11,31 @@ pub fn contact(surface: &Surface, place: &Place, radius: f64) -> Result<[f64; 2]
     let q = match place {
         Place::Uv(uv) => surface.chart([uv.x, uv.y]),
         Place::Contact(xy) => {
-            solve(surface, [xy.x, xy.y], 0.0).ok_or("no point of the floor lies at this contact place")?
+            let q = solve(surface, [xy.x, xy.y], 0.0, start(surface, [xy.x, xy.y]));
+            q.ok_or("no point of the floor lies at this contact place")?
         }
-        Place::Center(xy) => solve(surface, [xy.x, xy.y], radius)
+        Place::Center(xy) => solve(surface, [xy.x, xy.y], radius, start(surface, [xy.x, xy.y]))
             .ok_or("no place on the floor puts the ball's centre there")?,
     };
+    on_patch(surface, q)
+}
+
+/// The same for a ball whose centre has these x and y, looked for around the parameters `uv` first.
+pub fn contact_near(
+    surface: &Surface,
+    center: [f64; 2],
+    radius: f64,
+    uv: [f64; 2],
+) -> Result<[f64; 2], &'static str> {
+    let near = solve(surface, center, radius, surface.chart(uv)).map(|q| on_patch(surface, q));
+    if let Some(Ok(q)) = near {
+        return Ok(q);
+    }
+    contact(surface, &Place::Center(center.into()), radius)
+}
+
+/// Chart coordinates, if they lie on the patch.
+fn on_patch(surface: &Surface, q: [f64; 2]) -> Result<[f64; 2], &'static str> {
     let inside = surface.uv(q).iter().all(|x| (-1e-12..=1.0 + 1e-12).contains(x));
     if inside {
         Ok(q)
@@ -25,8 +45,8 @@ pub fn contact(surface: &Surface, place: &Place, radius: f64) -> Result<[f64; 2]
 }
 
 /// The q at which S(q) + radius n(q) has the given x and y: Newton with the exact derivative
-/// (1 - radius * Weingarten map) of the offset, halved until the residual falls.
-fn solve(surface: &Surface, target: [f64; 2], radius: f64) -> Option<[f64; 2]> {
+/// (1 - radius * Weingarten map) of the offset from `start` on, halved until the residual falls.
+fn solve(surface: &Surface, target: [f64; 2], radius: f64, start: [f64; 2]) -> Option<[f64; 2]> {
     let evaluate = |q: [f64; 2]| {
         with_chart!(&surface.kernel, chart => {
             let frame = chart.frame(q);
@@ -44,7 +64,7 @@ fn solve(surface: &Surface, target: [f64; 2], radius: f64) -> Option<[f64; 2]> {
         })
     };
     let size = |r: [f64; 2]| r[0].abs().max(r[1].abs());
-    let mut q = start(surface, target);
+    let mut q = start;
     let (mut residual, mut derivative) = evaluate(q);
     for _ in 0..STEPS_MAX {
         if residual == [0.0; 2] {

@@ -7,4 +7,5 @@ mod known_faults;
 mod repeatable;
 mod scenes;
 mod set_balls;
+mod succession;
 mod tight_floors;

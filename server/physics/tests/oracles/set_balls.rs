@@ -138,7 +138,7 @@ fn setting_all_as_at_the_start_keeps_the_clock_and_the_books() {
     let scene = bowl();
     let start = load(&scene);
     let mut engine = run(&scene, 60, 120, |_, _| {});
-    engine.set_as_in(&start);
+    engine.set_as_in(&start).unwrap();
     assert_eq!(engine.time(), Time::of_tick(120, 60));
     for (now, then) in engine.balls().iter().zip(start.balls()) {
         assert_eq!(
