@@ -34,6 +34,7 @@ use crate::command::{Command, CommandFault};
 use crate::event::Events;
 use crate::scene::MAX_TAGS;
 use crate::snapshot::{Collisions, Snapshot, World};
+use crate::timeline::SavedState;
 use ciborium::tag::Captured;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -239,6 +240,14 @@ pub fn decode_events(bytes: &[u8]) -> Result<Events, CodecError> {
 pub fn decode_json<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CodecError> {
     check_length(bytes, MAX_JSON_BYTES)?;
     serde_json::from_slice(bytes).map_err(|e| CodecError::Malformed(e.to_string()))
+}
+
+/// A saved state from JSON; of many balls it is long.
+pub fn decode_saved_state(bytes: &[u8]) -> Result<SavedState, CodecError> {
+    check_length(bytes, MAX_WORLD_BYTES)?;
+    let saved: SavedState =
+        serde_json::from_slice(bytes).map_err(|e| CodecError::Malformed(e.to_string()))?;
+    saved.fault().map_or(Ok(saved), |why| Err(CodecError::Malformed(why)))
 }
 
 /// Anything as one line of JSON. The types of this crate all have text keys, so it cannot fail for them.

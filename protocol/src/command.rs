@@ -6,10 +6,12 @@
 
 use crate::change::{self, PointMove, check_name};
 use crate::codec::{MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
+use crate::keys::Name;
 use crate::listing::Selection;
 use crate::parameter::Value;
 pub use crate::reply::{Refusal, Reply, code};
 use crate::scene::Ball;
+use crate::timeline::{Rewind, SavedState};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -100,6 +102,22 @@ pub enum Command {
         /// A scene as it stands in a file.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         toml: Option<String>,
+    },
+    /// Back along what happened; a new epoch that goes on from there. The clock runs or stands as before.
+    Rewind(Rewind),
+    /// Keep the present state under a name.
+    SaveState {
+        /// The name; what it held before is forgotten.
+        slot: String,
+    },
+    /// Go on from a state that was kept, or from one that is given; a new epoch with the tick and time of that state.
+    LoadState {
+        /// What it was kept as.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        slot: Option<String>,
+        /// A state of the present scene.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        state: Option<Box<SavedState>>,
     },
 }
 
@@ -238,7 +256,8 @@ impl Command {
             | Self::Spawn { .. }
             | Self::Delete(_)
             | Self::MoveControlPoints { .. }
-            | Self::LoadScene { .. } => MAX_REQUEST_BYTES,
+            | Self::LoadScene { .. }
+            | Self::LoadState { .. } => MAX_REQUEST_BYTES,
             _ => MAX_COMMAND_BYTES,
         }
     }
@@ -246,7 +265,7 @@ impl Command {
     /// Whether something has to be made ready before a tick can obey it. What is made ready acts in its own order; other
     /// commands overtake it.
     pub const fn needs_preparing(&self) -> bool {
-        matches!(self, Self::SetBalls { .. }) || self.may_change_world()
+        matches!(self, Self::SetBalls { .. } | Self::SaveState { .. }) || self.may_change_world()
     }
 
     /// Whether who the balls are or what the scene is may be other once it has acted.
@@ -259,6 +278,21 @@ impl Command {
                 | Self::SetParameters { .. }
                 | Self::LoadScene { .. }
                 | Self::Reset { .. }
+                | Self::Rewind(_)
+                | Self::LoadState { .. }
+        )
+    }
+
+    /// Whether what it does depends on what happened before.
+    pub const fn needs_the_past(&self) -> bool {
+        matches!(self, Self::Rewind(_) | Self::SaveState { .. } | Self::LoadState { .. })
+    }
+
+    /// Whether it moves the clock only, and leaves the world as it is.
+    pub const fn is_of_the_clock(&self) -> bool {
+        matches!(
+            self,
+            Self::Pause {} | Self::Resume {} | Self::Step { .. } | Self::RunUntil { .. } | Self::Speed { .. }
         )
     }
 
@@ -298,6 +332,14 @@ impl Command {
             Self::LoadScene { name, toml } if name.is_some() == toml.is_some() => {
                 fault("give either the name of a scene or its toml".into())
             }
+            Self::Rewind(rewind) => rewind.fault().map_or(Ok(()), fault),
+            Self::LoadState { slot, state } if slot.is_some() == state.is_some() => {
+                fault("give either the slot or the state to load".into())
+            }
+            Self::SaveState { slot } | Self::LoadState { slot: Some(slot), .. } => check_slot(slot),
+            Self::LoadState { state: Some(state), .. } => {
+                state.fault().map_or(Ok(()), |why| fault(format!("state: {why}")))
+            }
             _ => Ok(()),
         }
     }
@@ -323,6 +365,10 @@ fn check_settings(
         }
         None => balls.iter().try_for_each(BallSetting::check),
     }
+}
+
+fn check_slot(slot: &str) -> Result<(), CommandFault> {
+    slot.parse::<Name>().map(drop).map_err(|bad| CommandFault(format!("slot: {bad}")))
 }
 
 impl BallSetting {
@@ -409,6 +455,16 @@ mod tests {
         Command::Steer { ball: None, direction: Direction::Named(direction), mode }
     }
 
+    fn saved_state() -> SavedState {
+        SavedState {
+            format: crate::timeline::SAVED_STATE_FORMAT.into(),
+            version: crate::timeline::SAVED_STATE_VERSION,
+            scene: "bowl".into(),
+            held: vec![crate::timeline::HeldForce { ball: 1, until_tick: 90 }],
+            ..SavedState::default()
+        }
+    }
+
     #[test]
     fn long_and_short_forms_mean_the_same() {
         let up = steer(DirectionName::Up, SteerMode::Impulse);
@@ -464,6 +520,12 @@ mod tests {
             },
             Command::LoadScene { name: Some("bowl".into()), toml: None },
             Command::LoadScene { name: None, toml: Some("version = 1".into()) },
+            Command::Rewind(Rewind::by_seconds(600.0)),
+            Command::Rewind(Rewind::to_tick(0)),
+            Command::Rewind(Rewind { epoch: Some(7), ..Rewind::to_tick(3) }),
+            Command::SaveState { slot: "a".into() },
+            Command::LoadState { slot: Some("a".into()), state: None },
+            Command::LoadState { slot: None, state: Some(Box::new(saved_state())) },
         ];
         for command in all {
             let text = serde_json::to_string(&command).unwrap();
@@ -538,6 +600,19 @@ mod tests {
             r#"{"cmd":"set_parameters","values":{"restitution":null}}"#,
             r#"{"cmd":"load_scene"}"#,
             r#"{"cmd":"load_scene","name":"bowl","toml":""}"#,
+            r#"{"cmd":"rewind"}"#,
+            r#"{"cmd":"rewind","seconds":-1}"#,
+            r#"{"cmd":"rewind","seconds":1e10}"#,
+            r#"{"cmd":"rewind","seconds":1,"tick":1}"#,
+            r#"{"cmd":"rewind","epoch":1}"#,
+            r#"{"cmd":"rewind","tick":-1}"#,
+            r#"{"cmd":"rewind","tick":1,"line":2}"#,
+            r#"{"cmd":"save_state"}"#,
+            r#"{"cmd":"save_state","slot":""}"#,
+            r#"{"cmd":"save_state","slot":"A/b"}"#,
+            r#"{"cmd":"load_state"}"#,
+            r#"{"cmd":"load_state","slot":"*"}"#,
+            r#"{"cmd":"load_state","state":{"format":"x"}}"#,
             r#"{"cmd":"steer","direction":[1,1]}"#,
             r#"{"cmd":"steer","direction":[1e308,1e308]}"#,
             r#"{"cmd":"steer","direction":[1]}"#,
@@ -554,6 +629,13 @@ mod tests {
         };
         assert!(nan.check().is_err());
         assert!(Command::Speed { factor: SpeedFactor::Times(f64::NAN) }.check().is_err());
+        for wrong in [
+            SavedState { version: 1, ..saved_state() },
+            SavedState { format: "a song".into(), ..saved_state() },
+            SavedState { time_s: f64::NAN, ..saved_state() },
+        ] {
+            assert!(Command::LoadState { slot: None, state: Some(Box::new(wrong)) }.check().is_err());
+        }
     }
 
     #[test]

@@ -21,6 +21,8 @@
 //! | `srv/claim` | anyone, asked | a [`Claim`](crate::player::Claim) in, [`Claimed`](crate::player::Claimed) out, JSON |
 //! | `srv/release` | anyone, asked | a [`Release`](crate::player::Release) in, a [`Reply`](crate::command::Reply) out, JSON |
 //! | `srv/players` | anyone, asked | who drives which ball: [`Players`](crate::player::Players), JSON |
+//! | `srv/slots` | anyone, asked | the [`Timeline`](crate::timeline::Timeline): how far a rewind reaches, and the slots, JSON |
+//! | `srv/checkpoint` | anyone, asked | the present state or `?slot=a` as a [`SavedState`](crate::timeline::SavedState), JSON |
 //! | `alive/<role>/<id>` | each for itself | a liveliness token while it lives |
 //!
 //! The chunk `v1` changes when old and new can no longer understand each other.
@@ -234,6 +236,16 @@ impl Keys {
     /// The scenes that come with the program.
     pub fn srv_scenes(&self) -> String {
         self.under("srv/scenes")
+    }
+
+    /// What can be gone back to.
+    pub fn srv_slots(&self) -> String {
+        self.under("srv/slots")
+    }
+
+    /// A state as a file.
+    pub fn srv_checkpoint(&self) -> String {
+        self.under("srv/checkpoint")
     }
 
     /// One token.

@@ -14,6 +14,7 @@
 //! | [`stats`] | what the server says of itself once a second |
 //! | [`info`] | frames, units and versions, for whoever asks |
 //! | [`listing`] | lists for whoever asks: balls, scenes, features |
+//! | [`timeline`] | what of a run can be gone back to: history, slots, a state as a file |
 //! | [`keys`] | the names under which all this travels |
 //! | [`codec`] | bytes to values and back; every limit on size stands there |
 
@@ -31,3 +32,4 @@ pub mod scene;
 pub mod scene_text;
 pub mod snapshot;
 pub mod stats;
+pub mod timeline;

@@ -1,13 +1,16 @@
 //! One world being run and served: simulation, inbox, tick loop and its place on the network.
 
 use crate::handover::Handover;
-use crate::inbox::Inbox;
+use crate::history::{Archive, DEFAULT_HISTORY_BYTES, Plan, Settings};
+use crate::inbox::{Inbox, Request};
 use crate::network::{self, NetworkError};
 use crate::recording::{RecordOptions, Recorder, RecordingError, Tape};
 use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
 use crate::tick_loop::TickLoop;
+use crate::workshop::{Bench, Ready};
 use ballroom_client::Setting;
+use protocol::command::{Command, Refusal};
 use protocol::keys::{DEFAULT_ARENA, Name};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -37,6 +40,10 @@ pub struct ArenaOptions {
     pub settings: Vec<Setting>,
     /// What to record, if anything.
     pub record: Option<RecordOptions>,
+    /// What the history may take, bytes; 0 for none.
+    pub history_bytes: u64,
+    /// Obeyed before the first tick, in this order; none may depend on the past.
+    pub first: Vec<Command>,
 }
 
 impl Default for ArenaOptions {
@@ -50,6 +57,8 @@ impl Default for ArenaOptions {
             config: None,
             settings: Vec::new(),
             record: None,
+            history_bytes: DEFAULT_HISTORY_BYTES,
+            first: Vec::new(),
         }
     }
 }
@@ -69,6 +78,9 @@ pub enum ArenaError {
     /// The rate is out of its range.
     #[error("a tick rate of {0} Hz is out of range: use 1 to 1000")]
     Rate(u32),
+    /// A command that was to be obeyed before the first tick cannot be.
+    #[error("it cannot begin like this: {0}")]
+    First(Refusal),
     /// No thread could be started.
     #[error("no thread could be started: {0}")]
     Thread(#[from] std::io::Error),
@@ -87,7 +99,10 @@ impl Arena {
         let inbox = Arc::new(Inbox::default());
         let handover = Arc::new(Handover::new());
         let stop = Arc::new(AtomicBool::new(false));
-        let network = network::Network::open(options, &simulation, &inbox, handover.clone())?;
+        give_first(&options.first, &simulation, &inbox)?;
+        let (archive, diary) = Archive::new(&simulation, Settings::live(options.history_bytes));
+        let network =
+            network::Network::open(options, &simulation, &inbox, handover.clone(), archive.clone())?;
         let endpoints = network.endpoints().to_vec();
         let (tape, recorder) = match &options.record {
             Some(record) => {
@@ -97,14 +112,37 @@ impl Arena {
             }
             None => (Tape::default(), None),
         };
-        let tick_loop =
-            TickLoop::new(simulation, inbox, handover, stop.clone(), options.paused).recorded_on(tape);
+        let tick_loop = TickLoop::new(simulation, inbox, handover, stop.clone(), options.paused)
+            .recorded_on(tape)
+            .remembered_in(diary);
         let threads = vec![
             std::thread::Builder::new().name("tick".into()).spawn(move || tick_loop.run())?,
             std::thread::Builder::new().name("publish".into()).spawn(move || network.run())?,
+            std::thread::Builder::new().name("history".into()).spawn(move || archive.run())?,
         ];
         Ok(ArenaHandle { endpoints, stop, threads, recorder })
     }
+}
+
+/// Has commands obeyed before the first tick.
+fn give_first(first: &[Command], simulation: &Simulation, inbox: &Inbox) -> Result<(), ArenaError> {
+    let bench = Bench::new(simulation);
+    let mut ground = Arc::new(simulation.ground());
+    for command in first {
+        let made = match command {
+            Command::LoadState { state: Some(state), .. } => {
+                Plan::Load(state.clone(), ground.clone()).carry_out()
+            }
+            command => bench.prepare(command),
+        };
+        let ready = made.map_err(ArenaError::First)?;
+        if let Ready::World(there) = &ready {
+            ground = Arc::new(there.ground());
+        }
+        let request = Request { command: command.clone(), ready, answer: None };
+        inbox.offer(request).map_err(|refused| ArenaError::First(refused.why))?;
+    }
+    Ok(())
 }
 
 /// Milliseconds since 1970: later starts have larger epochs, and every reader of JSON can hold them.

@@ -1,16 +1,16 @@
-//! A run's checkpoint as a file: JSON with what it is, and the engine's words.
+//! A run's state as a file: a [`SavedState`] in JSON.
 
-use crate::simulation::Simulation;
-use ballroom_physics::{Checkpoint, CheckpointFault};
-use serde::{Deserialize, Serialize};
+use crate::history::Past;
+use crate::simulation::{Moment, Simulation};
+use ballroom_physics::CheckpointFault;
+use protocol::timeline::SavedState;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// What the file says it is.
-const FORMAT: &str = "ballroom checkpoint";
 /// Largest file that is read, bytes: 100 000 balls take half of it.
-const MAX_BYTES: u64 = 1 << 30;
+const MAX_BYTES: u64 = 64 << 20;
 
 /// Why a checkpoint was not kept or not taken.
 #[derive(Debug, thiserror::Error)]
@@ -41,29 +41,21 @@ pub enum CheckpointFileError {
     },
 }
 
-#[derive(Serialize, Deserialize)]
-struct Contents {
-    format: String,
-    /// For people; the engine knows its scene by a hash.
-    scene: String,
-    /// For people; the words hold it to the last bit.
-    time_s: f64,
-    words: Vec<u64>,
-}
-
 /// Writes the run as it stands into a new file, which is there as a whole or not at all.
 pub fn save(simulation: &Simulation, file: &Path) -> Result<(), CheckpointFileError> {
-    let checkpoint = simulation.checkpoint();
-    let contents = Contents {
-        format: FORMAT.into(),
-        scene: simulation.loaded().scene().name.clone(),
-        time_s: simulation.time().seconds(),
-        words: checkpoint.words().to_vec(),
-    };
+    let ground = Arc::new(simulation.ground());
+    let mut moment = Moment::with_room(&ground);
+    simulation.write_moment(&mut moment);
+    let saved = Past::new(&ground, &moment).to_saved();
+    write(&saved.map_err(|fault| CheckpointFileError::Fault { file: file.into(), fault })?, file)
+}
+
+/// Writes a state into a new file, which is there as a whole or not at all.
+pub fn write(saved: &SavedState, file: &Path) -> Result<(), CheckpointFileError> {
     let part = file.with_added_extension("part");
     let write = || -> std::io::Result<()> {
         let mut out = BufWriter::new(File::create(&part)?);
-        serde_json::to_writer(&mut out, &contents)?;
+        serde_json::to_writer(&mut out, saved)?;
         out.write_all(b"\n")?;
         out.into_inner()?.sync_all()?;
         std::fs::rename(&part, file)
@@ -71,19 +63,26 @@ pub fn save(simulation: &Simulation, file: &Path) -> Result<(), CheckpointFileEr
     write().map_err(|error| CheckpointFileError::File { file: file.into(), error })
 }
 
-/// Goes on where the file's run stood, in a simulation of the same scene.
+/// Goes on where the file's run stood, in a simulation of the same scene and in its epoch.
 pub fn load(simulation: &mut Simulation, file: &Path) -> Result<(), CheckpointFileError> {
+    let saved = read(file)?;
+    let epoch = simulation.epoch();
+    let past = Past::of_saved(&Arc::new(simulation.ground()), &saved);
+    let loaded = past.and_then(|past| past.simulation());
+    *simulation = loaded.map_err(|fault| CheckpointFileError::Fault { file: file.into(), fault })?;
+    simulation.set_epoch(epoch);
+    Ok(())
+}
+
+/// What a file holds. Whether it belongs to a scene, only the scene can tell.
+pub fn read(file: &Path) -> Result<SavedState, CheckpointFileError> {
     let open = |error| CheckpointFileError::File { file: file.into(), error };
     let wrong = |why: String| CheckpointFileError::Format { file: file.into(), why };
     let from = File::open(file).map_err(open)?;
     if from.metadata().map_err(open)?.len() > MAX_BYTES {
         return Err(wrong(format!("it is larger than {MAX_BYTES} bytes")));
     }
-    let contents: Contents = serde_json::from_reader(BufReader::new(from.take(MAX_BYTES)))
+    let saved: SavedState = serde_json::from_reader(BufReader::new(from.take(MAX_BYTES)))
         .map_err(|error| wrong(error.to_string()))?;
-    if contents.format != FORMAT {
-        return Err(wrong(format!("its format is {:?}, not {FORMAT:?}", contents.format)));
-    }
-    let taken = simulation.restore(&Checkpoint::of_words(contents.words));
-    taken.map_err(|fault| CheckpointFileError::Fault { file: file.into(), fault })
+    saved.fault().map_or(Ok(saved), |why| Err(wrong(why)))
 }

@@ -1,6 +1,7 @@
 //! What an arena understands, with limits, and the scenes that come with it.
 
 use crate::arena::TICK_RATES_HZ;
+use crate::history::{MAX_POINTS, MAX_SLOT_BYTES};
 use crate::inbox::INBOX_CAPACITY;
 use crate::players::{DRIVES_PER_S, MESSAGES_PER_S};
 use crate::scene_file::{SceneText, built_in_names};
@@ -13,6 +14,7 @@ use protocol::player::{
     LEASE_MILLIS, MAX_CLAIM_BYTES, MAX_DRIVE_BYTES, MAX_PLAYERS, MAX_TICKS_AHEAD, MAX_WINDOW,
 };
 use protocol::scene::MAX_TAGS;
+use protocol::timeline::{MAX_REWIND_S, MAX_SLOTS, MAX_WORDS_BYTES};
 
 /// What is supported.
 pub fn features() -> Features {
@@ -36,6 +38,12 @@ pub fn features() -> Features {
         ("delete", of(&[jobs, long, ("max_names", MAX_CHANGED_BALLS as f64)])),
         ("move_control_points", of(&[jobs, long, ("max_points", MAX_MOVED_POINTS as f64)])),
         ("set_parameters", of(&[jobs, short, ("max_values", MAX_SET_PARAMETERS as f64)])),
+        ("rewind", of(&[jobs, short, ("max_points", MAX_POINTS as f64), ("max_seconds", MAX_REWIND_S)])),
+        (
+            "save_state",
+            of(&[jobs, short, ("max_slots", MAX_SLOTS as f64), ("max_slot_bytes", MAX_SLOT_BYTES as f64)]),
+        ),
+        ("load_state", of(&[jobs, long, ("max_words_bytes", MAX_WORDS_BYTES as f64)])),
         ("load_scene", of(&[jobs, long, ("max_balls", MAX_BALLS as f64)])),
     ];
     // The rest is of the messages of whoever was given a ball.
@@ -57,6 +65,8 @@ pub fn features() -> Features {
         ("features", of(&[])),
         ("scenes", of(&[])),
         ("parameters", of(&[])),
+        ("slots", of(&[])),
+        ("checkpoint", of(&[])),
         ("balls", of(&[("max_rows", MAX_ROWS as f64)])),
         ("players", of(&[])),
         ("release", of(&[("max_bytes", MAX_CLAIM_BYTES as f64)])),

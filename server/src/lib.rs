@@ -20,8 +20,10 @@
 //! | [`tick_loop`] | a fixed rate, on a plain thread |
 //! | [`meter`] | how long ticks take |
 //! | [`handover`] | from the tick thread to the publisher |
+//! | [`history`] | what of a run can be gone back to |
 //! | [`checkpoint_file`] | a run saved, to go on with later |
 //! | [`recording`] | what a run was given and what became of it, in a file; and the run again |
+//! | [`screening`] | a recording shown again, at any speed |
 //! | `network` | the only place that names Zenoh |
 //! | [`terminal`] | keys in, a few lines out, for whoever plays in a terminal |
 //! | [`arena`] | all of it together |
@@ -32,6 +34,7 @@ pub mod change;
 pub mod checkpoint_file;
 pub mod features;
 pub mod handover;
+pub mod history;
 pub mod inbox;
 pub mod meter;
 mod network;
@@ -39,6 +42,7 @@ pub mod parameters;
 pub mod players;
 pub mod recording;
 pub mod scene_file;
+pub mod screening;
 pub mod simulation;
 pub mod terminal;
 pub mod tick_loop;

@@ -1,10 +1,14 @@
 //! One world: commands in, ticks on, states out. No clock and no I/O: a run is a function of the scene and of the
 //! commands by tick.
 
+mod moment;
+
+pub use moment::{Ground, Moment};
+
 use crate::change::{Change, meant};
 use crate::scene_file::{LoadedScene, SceneError};
 use crate::world::{Present, World};
-use ballroom_physics::{Checkpoint, CheckpointFault, Controller, Drive, Hit, Seat, Time};
+use ballroom_physics::{Controller, Drive, Hit, Seat, Time};
 use nalgebra::{Vector2, Vector3};
 use protocol::command::{Direction, Refusal, Scope, SteerMode, code};
 use protocol::listing::Selection;
@@ -174,27 +178,14 @@ impl Simulation {
 
     /// Advances to any time, whether a tick or not; the tick is then the last one before or at it.
     pub fn advance_to(&mut self, time: Time) {
+        // Held forces end at ticks.
+        while !self.held.is_empty() && Time::of_tick(self.tick + 1, self.tick_rate_hz) <= time {
+            self.advance();
+        }
         self.controller.advance_to(time);
         while Time::of_tick(self.tick + 1, self.tick_rate_hz) <= time {
             self.tick += 1;
         }
-    }
-
-    /// The engine's run as it stands; forces that are held are in it, when they end is not.
-    pub fn checkpoint(&self) -> Checkpoint {
-        self.controller.checkpoint()
-    }
-
-    /// Goes on where a run of the same scene stood. Forces that were held go on until they are let go.
-    pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), CheckpointFault> {
-        self.controller.restore(checkpoint)?;
-        self.held.clear();
-        let (time, rate) = (self.controller.time(), self.tick_rate_hz);
-        let near = (time.seconds() * f64::from(rate)) as u64;
-        // The product may be off by its rounding.
-        self.tick =
-            (near.saturating_sub(1)..=near + 1).rev().find(|t| Time::of_tick(*t, rate) <= time).unwrap_or(0);
-        Ok(())
     }
 
     /// Simulated time.

@@ -2,6 +2,7 @@
 
 use crate::change::Change;
 use crate::handover::{HITS_CAPACITY, Handover};
+use crate::history::{Archive, Diary, Settings};
 use crate::inbox::{Answer, Answered, ENDING, INBOX_CAPACITY, Inbox, Request};
 use crate::meter::Meter;
 use crate::recording::Tape;
@@ -39,6 +40,7 @@ pub struct TickLoop {
     answers: Vec<Answered>,
     hits: Vec<NumberedHit>,
     tape: Tape,
+    diary: Diary,
 }
 
 /// Steps still to be made while the clock stands.
@@ -56,6 +58,7 @@ impl TickLoop {
         stop: Arc<AtomicBool>,
         paused: bool,
     ) -> Self {
+        let (_, diary) = Archive::new(&simulation, Settings::live(0));
         Self {
             simulation,
             inbox,
@@ -72,7 +75,15 @@ impl TickLoop {
             answers: Vec::with_capacity(INBOX_CAPACITY + WANTED_CAPACITY),
             hits: Vec::with_capacity(HITS_CAPACITY),
             tape: Tape::default(),
+            diary,
         }
+    }
+
+    /// The same, with what is done kept, to be gone back to.
+    #[must_use]
+    pub fn remembered_in(mut self, diary: Diary) -> Self {
+        self.diary = diary;
+        self
     }
 
     /// The same, with what is done written down.
@@ -91,6 +102,7 @@ impl TickLoop {
         self.due = Instant::now();
         while !self.stop.load(Ordering::Relaxed) {
             let touched = self.apply_commands();
+            self.diary.show(&self.simulation);
             let now = Instant::now();
             if self.stepping.is_some() {
                 self.make_steps(now + SLICE);
@@ -154,6 +166,7 @@ impl TickLoop {
     fn tick(&mut self) {
         self.simulation.advance();
         self.tape.ticked(&self.simulation, self.paused);
+        self.diary.ticked(&self.simulation);
         let epoch = self.simulation.epoch();
         let hits = self.simulation.hits();
         // The handover has no room for more, and a tick takes no memory; the numbers tell what is missing.
@@ -250,14 +263,21 @@ impl TickLoop {
             | Command::MoveControlPoints { .. }
             | Command::SetParameters { .. }
             | Command::Reset { .. }
+            | Command::Rewind(_)
+            | Command::LoadState { .. }
             | Command::LoadScene { .. } => self.change_world(&command, ready),
+            Command::SaveState { slot } => self.save(slot, ready),
             Command::Speed { factor } => {
                 self.set_speed(*factor);
                 Ok(())
             }
         };
+        if command.needs_preparing() {
+            self.diary.used();
+        }
         if done.is_ok() {
             self.inbox.count_accepted();
+            self.diary.obeyed(at, &command, &self.simulation);
             self.tape.obeyed(at, command, &self.simulation);
         } else {
             self.inbox.count_refused();
@@ -295,7 +315,10 @@ impl TickLoop {
     fn change_world(&mut self, command: &Command, ready: Ready) -> Result<(), Refusal> {
         if matches!(
             command,
-            Command::LoadScene { .. } | Command::Reset { scope: Scope::All | Scope::Time, .. }
+            Command::LoadScene { .. }
+                | Command::Rewind(_)
+                | Command::LoadState { .. }
+                | Command::Reset { scope: Scope::All | Scope::Time, .. }
         ) {
             self.interrupt_stepping("reset");
         }
@@ -329,6 +352,12 @@ impl TickLoop {
         let done = self.simulation.change(&mut change);
         self.handover.forget(change);
         done
+    }
+
+    fn save(&mut self, slot: &str, ready: Ready) -> Result<(), Refusal> {
+        let Ready::Page(page) = ready else { return Err(unprepared()) };
+        self.diary.save(slot, page, &self.simulation);
+        Ok(())
     }
 
     fn set_speed(&mut self, factor: SpeedFactor) {

@@ -2,14 +2,16 @@
 //! floors proved, clouds placed. The tick loop swaps in what comes out.
 
 use crate::change::{Change, meant};
+use crate::history::Archive;
 use crate::inbox::{Answer, ENDING, Inbox, Refused, Request};
 use crate::scene_file::{SceneError, SceneText};
-use crate::simulation::Simulation;
+use crate::simulation::{Moment, Simulation};
 use crate::world::{Present, World};
 use ballroom_physics::Seat;
 use protocol::codec::{self, CodecError};
 use protocol::command::{Command, Refusal, Scope, code};
 use protocol::listing::Selection;
+use protocol::timeline::SavedState;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::time::Duration;
@@ -31,6 +33,8 @@ pub enum Ready {
     Change(Box<Change>),
     /// A world, to take the place of the present one.
     World(Box<Simulation>),
+    /// A page with room for the present state.
+    Page(Box<Moment>),
 }
 
 /// Makes things ready for the present world.
@@ -107,42 +111,82 @@ pub enum Job {
     Text(Vec<u8>),
 }
 
+/// How a saved state, or why there is none, reaches whoever asked.
+pub type Told = Box<dyn FnOnce(Result<SavedState, Refusal>) + Send>;
+
+/// What the thread is asked for.
+enum Order {
+    Ready(Job, Option<Answer>),
+    /// What a slot holds, or the present.
+    Saved(Option<String>, Told),
+}
+
 /// The way to the thread, which ends when all copies of it are gone.
 #[derive(Clone)]
-pub struct Workshop(SyncSender<(Job, Option<Answer>)>);
+pub struct Workshop(SyncSender<Order>);
 
 impl Workshop {
     /// Starts the thread.
-    pub fn start(bench: Bench, inbox: Arc<Inbox>) -> std::io::Result<Self> {
-        let (jobs, waiting) = sync_channel(MAX_JOBS);
-        std::thread::Builder::new().name("prepare".into()).spawn(move || work(&bench, &inbox, waiting))?;
-        Ok(Self(jobs))
+    pub fn start(bench: Bench, inbox: Arc<Inbox>, archive: Arc<Archive>) -> std::io::Result<Self> {
+        let (orders, waiting) = sync_channel(MAX_JOBS);
+        let thread = std::thread::Builder::new().name("prepare".into());
+        thread.spawn(move || work(&bench, &inbox, &archive, waiting))?;
+        Ok(Self(orders))
     }
 
     /// Has something made ready and passed on, without waiting; or gives back whom to tell why not.
     pub fn give(&self, job: Job, answer: Option<Answer>) -> Result<(), (Option<Answer>, Refusal)> {
-        self.0.try_send((job, answer)).map_err(|error| match error {
-            TrySendError::Full((_, answer)) => {
+        self.order(Order::Ready(job, answer)).map_err(|(order, why)| match order {
+            Order::Ready(_, answer) => (answer, why),
+            Order::Saved(..) => (None, why),
+        })
+    }
+
+    /// Has a state written down, without waiting: what a slot holds, or the present one.
+    pub fn save(&self, slot: Option<String>, told: Told) {
+        if let Err((Order::Saved(_, told), why)) = self.order(Order::Saved(slot, told)) {
+            told(Err(why));
+        }
+    }
+
+    fn order(&self, order: Order) -> Result<(), (Order, Refusal)> {
+        self.0.try_send(order).map_err(|error| match error {
+            TrySendError::Full(order) => {
                 let why = format!("{MAX_JOBS} commands that take long wait already: send fewer");
-                (answer, Refusal::new(code::TOO_MANY, why))
+                (order, Refusal::new(code::TOO_MANY, why))
             }
-            TrySendError::Disconnected((_, answer)) => (answer, Refusal::new(code::ENDING, ENDING)),
+            TrySendError::Disconnected(order) => (order, Refusal::new(code::ENDING, ENDING)),
         })
     }
 }
 
-fn work(bench: &Bench, inbox: &Inbox, jobs: Receiver<(Job, Option<Answer>)>) {
-    for (job, answer) in jobs {
+fn work(bench: &Bench, inbox: &Inbox, archive: &Archive, orders: Receiver<Order>) {
+    // Commands that were passed on ready.
+    let mut ready_so_far = 0;
+    for order in orders {
+        let (job, answer) = match order {
+            Order::Ready(job, answer) => (job, answer),
+            Order::Saved(slot, told) => {
+                told(archive.saved(slot.as_deref()));
+                continue;
+            }
+        };
         let command = match job {
             Job::Command(command) => Ok(command),
             Job::Text(text) => read(&text),
         };
-        let made = command.and_then(|command| Ok((bench.prepare(&command)?, command)));
+        let made = command.and_then(|command| make_ready(bench, archive, command, ready_so_far));
         let (answer, why) = match made {
-            Ok((ready, command)) => match pass_on(inbox, command, ready, answer) {
-                Ok(()) => continue,
-                Err(Refused { answer, why }) => (answer, why),
-            },
+            Ok((command, ready)) => {
+                let was_prepared = command.needs_preparing();
+                match pass_on(inbox, command, ready, answer) {
+                    Ok(()) => {
+                        ready_so_far += u64::from(was_prepared);
+                        continue;
+                    }
+                    Err(Refused { answer, why }) => (answer, why),
+                }
+            }
             Err(why) => (answer, why),
         };
         inbox.count_refused();
@@ -172,6 +216,23 @@ fn pass_on(inbox: &Inbox, command: Command, ready: Ready, answer: Option<Answer>
         while acted.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) && !inbox.is_closed() {}
     }
     offered
+}
+
+/// A command as it shall be obeyed, and what was made ready for it.
+fn make_ready(
+    bench: &Bench,
+    archive: &Archive,
+    command: Command,
+    ready_so_far: u64,
+) -> Result<(Command, Ready), Refusal> {
+    if !command.needs_the_past() {
+        let ready = bench.prepare(&command)?;
+        return Ok((command, ready));
+    }
+    let planned = archive.plan(command, ready_so_far);
+    let (command, plan) = planned.unwrap_or_else(|| Err(Refusal::new(code::ENDING, ENDING)))?;
+    let ready = plan.carry_out()?;
+    Ok((command, ready))
 }
 
 /// Reads a command, or says what is wrong with it.

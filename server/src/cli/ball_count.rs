@@ -13,6 +13,11 @@ pub struct BallCount {
 impl BallCount {
     /// The scene with that many balls.
     pub fn open(&self, scene: &str) -> Result<SceneText, SceneError> {
-        Ok(SceneText::open(scene)?.with_balls(self.balls))
+        Ok(self.of(SceneText::open(scene)?))
+    }
+
+    /// The same of a scene that is there.
+    pub fn of(&self, scene: SceneText) -> SceneText {
+        scene.with_balls(self.balls)
     }
 }

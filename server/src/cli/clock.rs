@@ -126,7 +126,7 @@ fn scope(text: &str) -> Result<Scope, String> {
     }
 }
 
-fn factor(text: &str) -> Result<SpeedFactor, String> {
+pub(super) fn factor(text: &str) -> Result<SpeedFactor, String> {
     match text {
         "max" => Ok(SpeedFactor::Named(SpeedName::Max)),
         _ => text.parse().map(SpeedFactor::Times).map_err(|_| "use 0.01 to 100, or max".into()),

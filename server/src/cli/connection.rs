@@ -59,6 +59,16 @@ pub struct Asked {
 }
 
 impl Asked {
+    /// Where the server is.
+    pub const fn connection(&self) -> &Connection {
+        &self.connection
+    }
+
+    /// Whether answers shall be JSON.
+    pub const fn is_json(&self) -> bool {
+        self.json
+    }
+
     /// Sends a command and says what came of it.
     pub fn command(&self, command: &Command, timeout: Duration) -> anyhow::Result<()> {
         let reply = self.connection.open(Abort::default(), timeout)?.command(command)?;

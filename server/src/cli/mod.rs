@@ -16,10 +16,12 @@ mod parameters;
 mod play;
 mod players;
 mod replay;
+mod resume;
 mod serve;
 mod signals;
 mod simulate;
 mod steer;
+mod timeline;
 mod watch;
 mod world;
 
@@ -62,6 +64,10 @@ enum Subcommands {
     Balls(Box<balls::Balls>),
     Floor(floor::Floor),
     Parameters(parameters::Parameters),
+    Rewind(timeline::Rewind),
+    Save(timeline::Save),
+    LoadState(timeline::LoadState),
+    Slots(timeline::Slots),
     Load(world::Load),
     Scenes(world::Scenes),
     Features(world::Features),
@@ -95,6 +101,10 @@ pub fn main() -> ExitCode {
         Subcommands::Balls(balls) => balls.run(),
         Subcommands::Floor(floor) => floor.run(),
         Subcommands::Parameters(parameters) => parameters.run(),
+        Subcommands::Rewind(rewind) => rewind.run(),
+        Subcommands::Save(save) => save.run(),
+        Subcommands::LoadState(load) => load.run(),
+        Subcommands::Slots(slots) => slots.run(),
         Subcommands::Load(load) => load.run(),
         Subcommands::Scenes(scenes) => scenes.run(),
         Subcommands::Features(features) => features.run(),

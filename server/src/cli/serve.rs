@@ -2,9 +2,11 @@
 
 use super::ball_count::BallCount;
 use super::connection::ZenohFlags;
+use super::resume::Resumed;
 use super::signals::abort_on_signal;
 use anyhow::bail;
 use protocol::keys::Name;
+use server::history::DEFAULT_HISTORY_BYTES;
 use server::recording::{MAX_HASH_EVERY_TICKS, RecordOptions};
 use server::{Arena, ArenaOptions};
 use std::io::Write;
@@ -19,18 +21,21 @@ Examples:
   ballroom serve thousand --rate 120
   ballroom serve gas --balls 10000
   ballroom serve thousand --record ride.mcap
+  ballroom serve --resume ride.mcap --record more.mcap
   ballroom serve my_scene.toml -l tcp/127.0.0.1:7500 --paused
 
 Without -l it listens on tcp/127.0.0.1:7447, or the next free port, and only this machine can reach it.")]
 pub struct Serve {
-    /// Name of a built-in scene, or a file ending in .toml
-    #[arg(default_value = "original")]
-    scene: String,
+    /// Name of a built-in scene, or a file ending in .toml [default: original, or what is resumed]
+    scene: Option<String>,
     #[command(flatten)]
     count: BallCount,
-    /// Ticks a simulated second
-    #[arg(long, value_name = "HZ", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    rate: u32,
+    /// Ticks a simulated second [default: 60, or as it was]
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    rate: Option<u32>,
+    /// Go on where a run ended: a file of `ballroom save` or `simulate --save`, or a recording, which is replayed to its end
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
     /// Endpoint to listen on, for instance tcp/127.0.0.1:0 for any free port
     #[arg(short = 'l', long = "listen", value_name = "ENDPOINT")]
     listen: Vec<String>,
@@ -47,6 +52,10 @@ pub struct Serve {
     paused: bool,
     #[command(flatten)]
     recording: Recording,
+    /// Memory for the history that `rewind` goes back in, MiB; 0 for none
+    #[arg(long, value_name = "MIB", default_value_t = DEFAULT_HISTORY_BYTES >> 20)]
+    #[arg(value_parser = clap::value_parser!(u64).range(0..=1 << 20))]
+    history: u64,
 }
 
 /// What is written down.
@@ -74,21 +83,33 @@ impl Recording {
 
 impl Serve {
     pub fn run(self) -> anyhow::Result<()> {
-        let scene = self.count.open(&self.scene)?;
+        let abort = abort_on_signal()?;
+        let resumed = self.resume.as_deref().map(|file| Resumed::from_file(file, || abort.is_aborted()));
+        let (found, first, rate) = match resumed.transpose()? {
+            Some(Resumed { scene, first, tick_rate_hz }) => (scene, first, Some(tick_rate_hz)),
+            None => (None, Vec::new(), None),
+        };
+        let scene = match (&self.scene, found) {
+            (Some(scene), _) => self.count.open(scene)?,
+            (None, Some(scene)) => self.count.of(scene),
+            (None, None) if self.resume.is_some() => bail!("name the scene that the run belongs to"),
+            (None, None) => self.count.open("original")?,
+        };
         let options = ArenaOptions {
             arena: self.arena,
-            tick_rate_hz: self.rate,
+            tick_rate_hz: self.rate.or(rate).unwrap_or(60),
             paused: self.paused,
             listen: self.listen,
             connect: self.connect,
             config: self.zenoh.config,
             settings: self.zenoh.cfg,
             record: self.recording.options(),
+            history_bytes: self.history << 20,
+            first,
         };
-        let abort = abort_on_signal()?;
         let arena = Arena::start(&scene, &options)?;
         let (endpoint, name) = (arena.endpoint(), &options.arena);
-        tracing::info!("{} runs at {} Hz as arena {name} on {endpoint}", self.scene, self.rate);
+        tracing::info!("{} runs at {} Hz as arena {name} on {endpoint}", scene.file(), options.tick_rate_hz);
         // Scripts wait for this line; nobody has to.
         drop(writeln!(std::io::stdout(), "{endpoint}"));
         while !abort.is_aborted() && !arena.is_finished() {

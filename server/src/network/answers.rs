@@ -2,11 +2,13 @@
 //! most, never a state or Zenoh's receiving threads.
 
 use super::Latest;
+use crate::history::Archive;
 use crate::players::Players;
 use protocol::codec;
 use protocol::command::Reply;
 use protocol::listing::Selection;
 use protocol::player::Claimed;
+use protocol::timeline::SavedState;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use zenoh::Wait;
@@ -39,6 +41,10 @@ pub enum Answer {
     Scene,
     /// Its numbers.
     Parameters,
+    /// What can be gone back to.
+    Slots,
+    /// A state as a file.
+    Saved(Box<SavedState>),
     /// The newest statistics.
     Stats,
     /// Frames, units, versions.
@@ -53,12 +59,16 @@ pub struct Answers(SyncSender<(Query, Answer)>);
 
 impl Answers {
     /// Starts the thread; the receiver hears when it has ended.
-    pub fn start(latest: Arc<Latest>, players: Arc<Players>) -> std::io::Result<(Self, Receiver<()>)> {
+    pub fn start(
+        latest: Arc<Latest>,
+        archive: Arc<Archive>,
+        players: Arc<Players>,
+    ) -> std::io::Result<(Self, Receiver<()>)> {
         let (queue, waiting) = sync_channel::<(Query, Answer)>(MAX_WAITING);
         let (finished, ended) = sync_channel(1);
         std::thread::Builder::new().name("answer".into()).spawn(move || {
             for (query, answer) in waiting {
-                send(&latest, &players, &query, answer);
+                send(&latest, &archive, &players, &query, answer);
             }
             drop(finished);
         })?;
@@ -71,7 +81,7 @@ impl Answers {
     }
 }
 
-fn send(latest: &Latest, players: &Players, query: &Query, answer: Answer) {
+fn send(latest: &Latest, archive: &Archive, players: &Players, query: &Query, answer: Answer) {
     let (bytes, encoding) = match answer {
         Answer::Reply(reply) => json(&reply),
         Answer::Claimed(claimed) => json(&claimed),
@@ -85,6 +95,8 @@ fn send(latest: &Latest, players: &Players, query: &Query, answer: Answer) {
         Answer::Scenes => json(&crate::features::scenes()),
         Answer::Scene => json(&*latest.stage().scene),
         Answer::Parameters => json(&latest.parameters()),
+        Answer::Slots => json(&archive.timeline()),
+        Answer::Saved(saved) => json(&*saved),
         Answer::Stats => json(&latest.stats()),
         Answer::Info => json(&latest.info),
         Answer::Fault(why) => {

@@ -18,6 +18,7 @@ mod session;
 
 use crate::arena::ArenaOptions;
 use crate::handover::Handover;
+use crate::history::Archive;
 use crate::inbox::Inbox;
 use crate::players::Players;
 use crate::simulation::{Simulation, Stage};
@@ -138,6 +139,7 @@ impl Network {
         simulation: &Simulation,
         inbox: &Arc<Inbox>,
         handover: Arc<Handover>,
+        archive: Arc<Archive>,
     ) -> Result<Self, NetworkError> {
         let mut first = Snapshot::default();
         simulation.write_snapshot(&mut first);
@@ -151,9 +153,9 @@ impl Network {
         });
         let keys = Keys::new(&options.arena);
         let (session, endpoints) = session::open(options)?;
-        let workshop = Workshop::start(Bench::new(simulation), inbox.clone())?;
+        let workshop = Workshop::start(Bench::new(simulation), inbox.clone(), archive.clone())?;
         let players = Arc::new(Players::new(inbox.clone()));
-        let (answers, answered) = answers::Answers::start(latest.clone(), players.clone())?;
+        let (answers, answered) = answers::Answers::start(latest.clone(), archive, players.clone())?;
         let gate = services::Gate::new(inbox, &answers, workshop, &players, &latest);
         drop(answers);
         let services = services::Services::declare(&session, &keys, &gate)?;

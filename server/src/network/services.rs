@@ -9,7 +9,7 @@ use crate::players::Players;
 use crate::workshop::{self, Job, Ready, Workshop};
 use protocol::codec::{MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
 use protocol::command::{Command, Refusal, code};
-use protocol::keys::Keys;
+use protocol::keys::{Keys, Name};
 use protocol::listing::Selection;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -48,6 +48,8 @@ impl Services {
         declare(keys.srv_scenes(), |_| Ok(Answer::Scenes))?;
         declare(keys.srv_players(), |_| Ok(Answer::Players))?;
         declare(keys.srv_balls(), |query| Selection::parse(query.parameters().as_str()).map(Answer::Balls))?;
+        declare(keys.srv_slots(), |_| Ok(Answer::Slots))?;
+        queryables.push(checkpoints(session, keys.srv_checkpoint(), gate.clone())?);
         let presses = presses(session, keys.clone(), gate.clone())?;
         Ok(Self { _queryables: queryables, _presses: presses })
     }
@@ -74,6 +76,39 @@ fn commands(session: &Session, key: &str, gate: Arc<Gate>) -> Result<Queryable<(
         }
     };
     Ok(session.declare_queryable(key.to_owned()).callback(callback).wait()?)
+}
+
+/// States as files: what a slot holds, or the present one, which the tick thread has to write.
+fn checkpoints(session: &Session, key: String, gate: Arc<Gate>) -> Result<Queryable<()>, NetworkError> {
+    let callback = move |query: Query| {
+        if let Err(refusal) = gate.spend(&Source::Questions) {
+            return gate.give(query, Answer::Fault(refusal.why));
+        }
+        let slot = match slot_of(&query) {
+            Ok(slot) => slot,
+            Err(why) => {
+                let refusal = gate.refuse(code::MALFORMED, why);
+                return gate.give(query, Answer::Fault(refusal.why));
+            }
+        };
+        let way_back = gate.clone();
+        let told: workshop::Told = Box::new(move |saved| {
+            let answer = saved.map(|saved| Answer::Saved(Box::new(saved)));
+            way_back.give(query, answer.unwrap_or_else(|refusal| Answer::Fault(refusal.why)));
+        });
+        gate.workshop.save(slot, told);
+    };
+    Ok(session.declare_queryable(key).callback(callback).wait()?)
+}
+
+/// `slot=NAME`, or nothing.
+fn slot_of(query: &Query) -> Result<Option<String>, String> {
+    let words = query.parameters().as_str();
+    let Some(name) = words.strip_prefix("slot=") else {
+        return if words.is_empty() { Ok(None) } else { Err(format!("{words:?} is unknown: use slot=NAME")) };
+    };
+    let name: Name = name.parse().map_err(|bad| format!("slot: {bad}"))?;
+    Ok(Some(name.as_str().to_owned()))
 }
 
 /// Commands that are not answered.

@@ -1,6 +1,7 @@
 //! The run again, from the file alone and as fast as it goes, compared with what was recorded.
 
 use super::{CommandLine, EndLine, HashLine, Line, Reader, RecordingFault};
+use crate::history::{Chronicle, Settings};
 use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
 use crate::workshop::{Bench, Ready};
@@ -75,16 +76,56 @@ pub struct Verdict {
     pub program: String,
 }
 
-/// Runs a recording again, up to its end or the first difference. `stop` is asked before every message.
-pub fn replay<R: Read>(reader: &mut Reader<R>, stop: impl Fn() -> bool) -> Result<Verdict, ReplayError> {
+/// Who sees a run again, and may slow it down.
+pub trait Audience {
+    /// A tick was made. False ends the replay.
+    fn ticked(&mut self, simulation: &Simulation) -> bool;
+    /// A command was obeyed.
+    fn obeyed(&mut self, simulation: &Simulation);
+    /// Whether to go on with the next message.
+    fn goes_on(&mut self) -> bool;
+}
+
+/// Nobody looks; the replay goes on until this says stop.
+impl<F: Fn() -> bool> Audience for F {
+    fn ticked(&mut self, _: &Simulation) -> bool {
+        true
+    }
+
+    fn obeyed(&mut self, _: &Simulation) {}
+
+    fn goes_on(&mut self) -> bool {
+        !self()
+    }
+}
+
+/// The first state of a recording.
+pub fn begin<R: Read>(reader: &mut Reader<R>) -> Result<Simulation, ReplayError> {
     let Some(Line::Scene(scene)) = reader.next_line()? else {
         return Err(RecordingFault::Damaged("it does not begin with a scene".to_owned()).into());
     };
     let loaded = SceneText::new(scene.file, scene.toml).with_balls(scene.balls).load()?;
     let head = reader.head();
-    let simulation = Simulation::new(Arc::new(loaded), head.tick_rate_hz, head.epoch)?;
+    Ok(Simulation::new(Arc::new(loaded), head.tick_rate_hz, head.epoch)?)
+}
+
+/// Runs a recording again, up to its end or the first difference. `stop` is asked before every message.
+pub fn replay<R: Read>(reader: &mut Reader<R>, stop: impl Fn() -> bool) -> Result<Verdict, ReplayError> {
+    let simulation = begin(reader)?;
+    Ok(replay_before(reader, simulation, stop)?.0)
+}
+
+/// The same from the recording's first state, before an audience; and the run where it came to.
+pub fn replay_before<R: Read>(
+    reader: &mut Reader<R>,
+    simulation: Simulation,
+    audience: impl Audience,
+) -> Result<(Verdict, Simulation), ReplayError> {
+    let head = reader.head();
     let mut run = Run {
+        audience,
         bench: Bench::new(&simulation),
+        chronicle: Chronicle::new(&simulation, Settings::REPLAY),
         simulation,
         longest_gap: head.hash_every_ticks,
         verdict: Verdict {
@@ -102,7 +143,7 @@ pub fn replay<R: Read>(reader: &mut Reader<R>, stop: impl Fn() -> bool) -> Resul
         frame: Vec::new(),
     };
     while run.verdict.difference.is_none() {
-        if stop() {
+        if !run.audience.goes_on() {
             return Err(ReplayError::Stopped);
         }
         let line = match reader.next_line() {
@@ -118,23 +159,25 @@ pub fn replay<R: Read>(reader: &mut Reader<R>, stop: impl Fn() -> bool) -> Resul
         run.verdict.difference = run.compare(line)?;
         (run.verdict.last_epoch, run.verdict.last_tick) = (run.simulation.epoch(), run.simulation.tick());
     }
-    Ok(run.verdict)
+    Ok((run.verdict, run.simulation))
 }
 
-struct Run {
+struct Run<A> {
+    audience: A,
     simulation: Simulation,
     bench: Bench,
+    chronicle: Chronicle,
     longest_gap: u64,
     verdict: Verdict,
     state: Snapshot,
     frame: Vec<u8>,
 }
 
-impl Run {
+impl<A: Audience> Run<A> {
     /// Goes to the moment of a message and does or compares what it says.
-    fn compare(&mut self, line: Line) -> Result<Option<Difference>, RecordingFault> {
+    fn compare(&mut self, line: Line) -> Result<Option<Difference>, ReplayError> {
         match line {
-            Line::Scene(_) => Err(RecordingFault::Damaged("it holds a second scene".to_owned())),
+            Line::Scene(_) => Err(RecordingFault::Damaged("it holds a second scene".to_owned()).into()),
             Line::Command(line) => self.command(&line),
             Line::Hash(line) => {
                 self.verdict.hashes += 1;
@@ -145,20 +188,34 @@ impl Run {
         }
     }
 
-    fn command(&mut self, line: &CommandLine) -> Result<Option<Difference>, RecordingFault> {
+    fn command(&mut self, line: &CommandLine) -> Result<Option<Difference>, ReplayError> {
         let CommandLine { epoch, tick, order, command } = line;
         if *order != self.verdict.commands {
             let lost = format!("command {} is missing or out of order", self.verdict.commands);
-            return Err(RecordingFault::Damaged(lost));
+            return Err(RecordingFault::Damaged(lost).into());
         }
         command.check().map_err(|fault| RecordingFault::Damaged(format!("command {order}: {fault}")))?;
         self.advance_to(*epoch, *tick)?;
         self.verdict.commands += 1;
-        let refused = obey(&mut self.simulation, &self.bench, command).err();
+        let refused = self.obey(command).err();
+        self.audience.obeyed(&self.simulation);
         Ok(refused.map(|why| self.difference("command", "obeyed".to_owned(), format!("refused: {why}"))))
     }
 
-    fn hash(&mut self, what: &'static str, line: HashLine) -> Result<Option<Difference>, RecordingFault> {
+    fn obey(&mut self, command: &Command) -> Result<(), String> {
+        let Self { simulation, bench, chronicle, .. } = self;
+        if command.needs_the_past() {
+            return chronicle.obey(simulation, command).map_err(|refusal| refusal.to_string());
+        }
+        let at = (simulation.epoch(), simulation.tick());
+        obey(simulation, bench, command)?;
+        if !command.is_of_the_clock() {
+            chronicle.obeyed(at, command.clone(), simulation);
+        }
+        Ok(())
+    }
+
+    fn hash(&mut self, what: &'static str, line: HashLine) -> Result<Option<Difference>, ReplayError> {
         self.advance_to(line.epoch, line.tick)?;
         let hashes = [line.state_hash, self.simulation.state_hash()];
         let [recorded, replayed] = hashes.map(|hash| format!("{hash:016x}"));
@@ -166,7 +223,7 @@ impl Run {
     }
 
     /// Byte by byte, but for what the wall clock and the pause say, which are no part of a run.
-    fn state(&mut self, frame: &[u8]) -> Result<Option<Difference>, RecordingFault> {
+    fn state(&mut self, frame: &[u8]) -> Result<Option<Difference>, ReplayError> {
         let recorded = codec::decode_state(frame);
         let recorded = recorded.map_err(|e| RecordingFault::Damaged(format!("a state: {e}")))?;
         self.advance_to(recorded.epoch, recorded.tick)?;
@@ -178,11 +235,11 @@ impl Run {
         Ok((!equal).then(|| self.difference("state", "another state".to_owned(), "this state".to_owned())))
     }
 
-    fn end(&mut self, line: EndLine) -> Result<Option<Difference>, RecordingFault> {
+    fn end(&mut self, line: EndLine) -> Result<Option<Difference>, ReplayError> {
         let EndLine { epoch, tick, state_hash, .. } = line;
         let Verdict { commands, hashes, states, .. } = self.verdict;
         if [line.commands, line.hashes, line.states] != [commands, hashes, states] {
-            return Err(RecordingFault::Damaged("messages are missing".to_owned()));
+            return Err(RecordingFault::Damaged("messages are missing".to_owned()).into());
         }
         if !line.complete {
             self.verdict.ending = Some(Ending::Incomplete(line.why));
@@ -193,19 +250,24 @@ impl Run {
     }
 
     /// No record is further from the one before than two hashes are: nobody's file makes this run for ever.
-    fn advance_to(&mut self, epoch: u64, tick: u64) -> Result<(), RecordingFault> {
+    fn advance_to(&mut self, epoch: u64, tick: u64) -> Result<(), ReplayError> {
         let here = (self.simulation.epoch(), self.simulation.tick());
         let ticks = tick.checked_sub(here.1).filter(|ticks| epoch == here.0 && *ticks <= self.longest_gap);
         let Some(ticks) = ticks else {
             return Err(RecordingFault::Damaged(format!(
                 "after tick {} of epoch {} it goes on at tick {tick} of epoch {epoch}",
                 here.1, here.0
-            )));
+            ))
+            .into());
         };
         for _ in 0..ticks {
             self.simulation.advance();
+            self.verdict.ticks += 1;
+            self.chronicle.ticked(&self.simulation);
+            if !self.audience.ticked(&self.simulation) {
+                return Err(ReplayError::Stopped);
+            }
         }
-        self.verdict.ticks += ticks;
         Ok(())
     }
 
@@ -217,7 +279,7 @@ impl Run {
 
 /// What a command does to the world; the clock is none of a replay's. What needs making ready is made from the command
 /// alone, as the server's workshop made it.
-pub(super) fn obey(simulation: &mut Simulation, bench: &Bench, command: &Command) -> Result<(), String> {
+pub(crate) fn obey(simulation: &mut Simulation, bench: &Bench, command: &Command) -> Result<(), String> {
     let refused = |refusal: Refusal| refusal.to_string();
     match (bench.prepare(command).map_err(refused)?, command) {
         (Ready::World(mut world), _) => simulation.give_way_to(&mut world),
@@ -238,7 +300,7 @@ pub(super) fn obey(simulation: &mut Simulation, bench: &Bench, command: &Command
             let velocity = velocity_m_per_s.map(Into::into);
             simulation.set_selected(select, velocity, *spin_rad_per_s).map_err(refused)?;
         }
-        (Ready::Nothing, _) => {}
+        (Ready::Nothing | Ready::Page(_), _) => {}
     }
     Ok(())
 }

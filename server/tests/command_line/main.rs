@@ -9,6 +9,7 @@ mod relay;
 mod serving;
 mod simulate;
 mod terminal;
+mod timeline;
 mod usage;
 
 use std::fs::File;

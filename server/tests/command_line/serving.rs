@@ -4,7 +4,7 @@ use super::{Output, PATIENCE, ballroom};
 use ballroom_client::{Client, ClientOptions, Patience};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 
 /// A server that ends with its test.
 pub struct Serving {
@@ -15,9 +15,14 @@ pub struct Serving {
 impl Serving {
     /// Serves on a free port.
     pub fn start(arguments: &[&str]) -> Self {
+        Self::run(&[&["serve"], arguments].concat()).0
+    }
+
+    /// Runs a subcommand that serves on a free port; the rest of what it says comes with it.
+    pub fn run(arguments: &[&str]) -> (Self, BufReader<ChildStdout>) {
         let mut process = Command::new(env!("CARGO_BIN_EXE_ballroom"))
-            .args(["serve", "-l", "tcp/127.0.0.1:0"])
             .args(arguments)
+            .args(["-l", "tcp/127.0.0.1:0"])
             .env_remove("RUST_LOG")
             .env_remove("ZENOH_CONFIG")
             .stdin(Stdio::null())
@@ -26,9 +31,21 @@ impl Serving {
             .spawn()
             .unwrap();
         let mut endpoint = String::new();
-        BufReader::new(process.stdout.take().unwrap()).read_line(&mut endpoint).unwrap();
+        let mut stdout = BufReader::new(process.stdout.take().unwrap());
+        stdout.read_line(&mut endpoint).unwrap();
         assert!(endpoint.starts_with("tcp/"), "{endpoint:?}");
-        Self { process, endpoint: endpoint.trim_end().to_owned() }
+        (Self { process, endpoint: endpoint.trim_end().to_owned() }, stdout)
+    }
+
+    /// Ends it as a power cut would.
+    pub fn kill(mut self) {
+        self.process.kill().unwrap();
+        self.process.wait().unwrap();
+    }
+
+    /// Its exit code, when it ends by itself.
+    pub fn ended(mut self) -> Option<i32> {
+        self.process.wait().unwrap().code()
     }
 
     /// Where it listens.

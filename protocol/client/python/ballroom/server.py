@@ -279,6 +279,33 @@ class Server:
         """Goes on with another scene as a new epoch: one of `scenes()` by name, or the text of a scene file."""
         return self._command("load_scene", name=name, toml=toml, timeout_s=_AS_LONG_AS_IT_LIVES_S)
 
+    def rewind(self, seconds: float | None = None, *, tick: int | None = None, epoch: int | None = None) -> Reply:
+        """Goes back along what happened, to the state that was published there, and on from it as a new epoch.
+
+        So many simulated seconds back, through resets and other scenes too; or to a tick of the present count, or of an
+        earlier epoch. A clock that stands goes on standing. What came after is forgotten.
+        """
+        return self._command("rewind", seconds=seconds, tick=tick, epoch=epoch, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def save_state(self, slot: str) -> Reply:
+        """Keeps the present state in the server under a name."""
+        return self._command("save_state", slot=slot, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def load_state(self, slot: str | None = None, *, state: Mapping[str, Any] | None = None) -> Reply:
+        """Goes on from a state as a new epoch: from one kept under a name, or from one that `checkpoint` gave.
+
+        A slot brings its scene with it; a given state is refused when it belongs to another scene than the present one.
+        """
+        return self._command("load_state", slot=slot, state=state, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def slots(self) -> dict[str, Any]:
+        """What can be gone back to: how far the history reaches, and the states kept under names."""
+        return self._ask_json("slots")
+
+    def checkpoint(self, slot: str | None = None) -> dict[str, Any]:
+        """The present state, or one kept under a name, to be kept with `json.dump`: what `ballroom save FILE` writes."""
+        return self._ask_json("checkpoint", "" if slot is None else f"?slot={slot}")
+
     def steer(self, ball: str | None, direction: Direction, mode: Literal["impulse", "force"] = "impulse") -> Reply:
         """Pushes a player's ball once, or until told otherwise, half a simulated second at most.
 

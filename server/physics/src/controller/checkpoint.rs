@@ -2,13 +2,20 @@
 
 use super::Controller;
 use super::plain::{Plain, Reader};
+use crate::detect::broad_phase::Bounds;
+use crate::motion::arc::Path;
+use crate::motion::body::Stepping;
 use crate::scene::{Accuracy, Scheme};
-use crate::schedule::event::What;
+use crate::schedule::event::{Next, What};
+use crate::schedule::time::{QUANTUM, Time};
+use crate::tolerance::{SANE, STEP_MAX, STEP_MIN, WINDOW_MAX};
 
 /// Changes whenever the words of a checkpoint change their meaning.
-const VERSION: u64 = 1;
+const VERSION: u64 = 2;
 /// Words before a run's own: version, scene, balls, checksum.
 const HEAD: usize = 4;
+/// Quanta that no run reaches: sums of times stay far from overflow.
+const LATEST: i64 = 1 << 53;
 
 /// A run at one instant, as words. It belongs to one scene and holds what the scene does not say.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,25 +62,66 @@ pub enum CheckpointFault {
 impl Controller {
     /// The run as it stands at the controller's time. The list of hits of the last advance is no part of it.
     pub fn checkpoint(&self) -> Checkpoint {
-        let mut words = vec![VERSION, self.scene_hash(), self.balls.len() as u64, 0];
-        let mut keep = |word| words.push(word);
-        [self.time, self.now].all(&mut keep);
-        self.report.all(&mut keep);
-        for ball in 0..self.balls.len() {
-            self.balls[ball].all(&mut keep);
-            self.arcs[ball].all(&mut keep);
-            self.queue.of(ball).all(&mut keep);
-            self.broad_phase.bounds_of(ball).all(&mut keep);
-        }
-        words[HEAD - 1] = checksum(&words[HEAD..]);
-        Checkpoint { words }
+        let mut run = Vec::with_capacity(self.run_words());
+        self.write_run(&mut run);
+        self.checkpoint_of(&run)
     }
 
     /// Goes on where `checkpoint` was made, in a controller of the same scene: every bit of every later state is that of
     /// the run that never stopped.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), CheckpointFault> {
+        *self = self.at_run(self.run_of(checkpoint)?)?;
+        Ok(())
+    }
+
+    /// Adds the run's own words to `words`: what counts of a ball is where its arc begins, for the arc follows from it.
+    /// Takes no memory when there is room for [`Self::run_words`] more.
+    pub fn write_run(&self, words: &mut Vec<u64>) {
+        let mut keep = |word| words.push(word);
+        [self.time, self.now].all(&mut keep);
+        self.report.all(&mut keep);
+        for ball in 0..self.balls.len() {
+            self.balls[ball].seeds(&mut keep);
+            self.arcs[ball].seeds(&mut keep);
+            self.queue.of(ball).seeds(&mut keep);
+            self.broad_phase.bounds_of(ball).seeds(&mut keep);
+        }
+    }
+
+    /// How many words [`Self::write_run`] writes.
+    pub fn run_words(&self) -> usize {
+        let mut words = 0;
+        let mut count = |_| words += 1;
+        [self.time, self.now].all(&mut count);
+        self.report.all(&mut count);
+        if let Some(ball) = self.balls.first() {
+            let fixed = std::mem::take(&mut words);
+            let mut count = |_| words += 1;
+            ball.seeds(&mut count);
+            self.arcs[0].seeds(&mut count);
+            self.queue.of(0).seeds(&mut count);
+            self.broad_phase.bounds_of(0).seeds(&mut count);
+            words = fixed + words * self.balls.len();
+        }
+        words
+    }
+
+    /// How many words a checkpoint has.
+    pub fn checkpoint_words(&self) -> usize {
+        HEAD + self.run_words()
+    }
+
+    /// The checkpoint that [`Self::write_run`] wrote the words of.
+    pub fn checkpoint_of(&self, run: &[u64]) -> Checkpoint {
+        let mut words = vec![VERSION, self.scene_hash(), self.balls.len() as u64, checksum(run)];
+        words.extend_from_slice(run);
+        Checkpoint { words }
+    }
+
+    /// The run's own words in a checkpoint of the same scene.
+    pub fn run_of<'a>(&self, checkpoint: &'a Checkpoint) -> Result<&'a [u64], CheckpointFault> {
         let words = &checkpoint.words;
-        let want = self.checkpoint().words.len();
+        let want = self.checkpoint_words();
         let length = CheckpointFault::Length { have: words.len(), want };
         let [version, scene, balls, sum] = *words.first_chunk::<HEAD>().ok_or(length)?;
         if version != VERSION {
@@ -85,34 +133,38 @@ impl Controller {
         if words.len() != want {
             return Err(length);
         }
-        let mut restored = self.clone();
-        if checksum(&words[HEAD..]) != sum || !restored.read(&words[HEAD..]) {
+        if checksum(&words[HEAD..]) != sum {
             return Err(CheckpointFault::Damaged);
         }
-        *self = restored;
-        Ok(())
+        Ok(&words[HEAD..])
+    }
+
+    /// A controller of the same scene at the run whose own words these are. Arcs are launched again, which gives their
+    /// every bit. Takes words of [`Self::write_run`] only; a [`Checkpoint`] has a checksum.
+    pub fn at_run(&self, words: &[u64]) -> Result<Self, CheckpointFault> {
+        let want = self.run_words();
+        if words.len() != want {
+            return Err(CheckpointFault::Length { have: words.len(), want });
+        }
+        let mut there = self.clone();
+        if there.read_run(words) { Ok(there) } else { Err(CheckpointFault::Damaged) }
     }
 
     /// Takes over a run's words; false if some mean nothing.
-    fn read(&mut self, words: &[u64]) -> bool {
+    fn read_run(&mut self, words: &[u64]) -> bool {
         let mut from = Reader::new(words);
         [self.time, self.now] = Plain::read(&mut from);
         self.report = Plain::read(&mut from);
-        let (balls, walls) = (self.balls.len(), self.walls.len());
-        for ball in 0..balls {
-            self.balls[ball] = Plain::read(&mut from);
-            self.arcs[ball] = Plain::read(&mut from);
+        for ball in 0..self.balls.len() {
+            self.balls[ball].sow(&mut from);
+            self.arcs[ball].sow(&mut from);
             let next = Plain::read(&mut from);
-            self.queue.set(ball, next);
-            self.broad_phase.file(ball, Plain::read(&mut from));
-            let known = match next.what {
-                What::Ball { other, .. } => (other as usize) < balls,
-                What::Wall { wall } => (wall as usize) < walls,
-                What::Renew => true,
-            };
-            if from.failed() || !known || !self.arcs[ball].is_sane() {
+            let bounds: Bounds = Plain::read(&mut from);
+            if from.failed() || !self.makes_sense(ball, &next, &bounds) || !self.launch_again(ball) {
                 return false;
             }
+            self.queue.set(ball, next);
+            self.broad_phase.file(ball, bounds);
         }
         self.hits.clear();
         self.observe();
@@ -124,6 +176,52 @@ impl Controller {
     fn is_on_its_floor(&self) -> bool {
         let near = |x: &f64| (-0.5..=1.5).contains(x);
         self.energy().is_finite() && self.states.iter().all(|state| state.uv.iter().all(near))
+    }
+
+    /// Whether a ball's words can be those of a run at this time: nothing began later or ends too late, nobody meets
+    /// strangers, every number can be worked with.
+    fn makes_sense(&self, ball: usize, next: &Next, bounds: &Bounds) -> bool {
+        let (body, arc) = (&self.balls[ball].body, &self.arcs[ball]);
+        let known = match next.what {
+            What::Ball { other, .. } => (other as usize) < self.balls.len(),
+            What::Wall { wall } => (wall as usize) < self.walls.len(),
+            What::Renew => true,
+        };
+        let present = self.time.max(self.now);
+        let soon = present.after(2.0 * WINDOW_MAX);
+        let times = Time::ZERO <= arc.start
+            && arc.start <= present
+            && present.quantum() < LATEST
+            && self.time <= next.time
+            && next.time <= soon
+            && arc.window_end <= soon;
+        let numbers = body.applied.iter().chain(&arc.state).chain(&arc.turning.start).chain(bounds);
+        known && times && numbers.into_iter().all(|x| x.abs() <= SANE)
+    }
+
+    /// Launches the arc that a ball is on once more; false if another one comes of it.
+    fn launch_again(&mut self, ball: usize) -> bool {
+        let Self { surface, accuracy, balls, arcs, .. } = self;
+        let (body, arc) = (&balls[ball].body, &mut arcs[ball]);
+        let (start, state, length, path) = (arc.start, arc.state, arc.length, arc.path);
+        let steps = STEP_MIN..=STEP_MAX;
+        if !steps.contains(&balls[ball].stepping.try_s) {
+            return false;
+        }
+        if path == Path::Held {
+            if !(0.0..=QUANTUM).contains(&length) {
+                return false;
+            }
+            body.hold(surface, (start, &state), length, arc);
+        } else {
+            if !surface.is_flat() && !steps.contains(&length) {
+                return false;
+            }
+            // The step that was kept is tried first, and kept again.
+            let mut stepping = Stepping { try_s: length, steps: 0, forced: 0 };
+            body.launch(surface, *accuracy, (start, &state), &mut stepping, arc);
+        }
+        (arc.length, arc.path) == (length, path) && arc.is_sane()
     }
 
     /// Hash of everything that influences the future; equal at equal times whatever the tick rate and the order
@@ -140,6 +238,11 @@ impl Controller {
             self.broad_phase.bounds_of(ball).seeds(&mut mix);
         }
         hash.0
+    }
+
+    /// Whether both were made from the same scene, so that they may exchange runs and checkpoints.
+    pub fn shares_scene_with(&self, other: &Self) -> bool {
+        self.balls.len() == other.balls.len() && self.scene_hash() == other.scene_hash()
     }
 
     /// Hash of what a run is given and never changes: controllers that share it may exchange checkpoints.

@@ -1,7 +1,7 @@
 //! The engine's moving parts as plain words.
 //!
 //! Every type that changes while a run goes on lists all its fields once, in two groups: the seeds, from which the future
-//! follows, and what follows from them and from the scene. A checkpoint keeps both; the state hash reads the seeds. A
+//! follows, and what follows from them and from the scene. A checkpoint keeps the seeds, and the state hash reads them. A
 //! field in neither group does not compile.
 
 use super::{Ball, Drive};
@@ -50,6 +50,10 @@ pub(super) trait Plain: Sized {
     fn seeds(&self, keep: &mut impl FnMut(u64)) {
         self.all(keep);
     }
+    /// Takes over the seeds; the rest stays.
+    fn sow(&mut self, from: &mut Reader<'_>) {
+        *self = Self::read(from);
+    }
     /// The same thing again.
     fn read(from: &mut Reader<'_>) -> Self;
 }
@@ -66,6 +70,10 @@ macro_rules! plain {
             fn seeds(&self, _keep: &mut impl FnMut(u64)) {
                 let Self { $($seed,)* $($rest: _,)* } = self;
                 $($seed.seeds(_keep);)*
+            }
+
+            fn sow(&mut self, from: &mut Reader<'_>) {
+                $(self.$seed.sow(from);)*
             }
 
             fn read(from: &mut Reader<'_>) -> Self {

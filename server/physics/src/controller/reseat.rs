@@ -161,7 +161,7 @@ impl Controller {
             let orientation = arc.orientation_at(dt);
             self.release(ball);
             self.seat(ball, &state);
-            self.arcs[ball].turning.start = orientation;
+            self.arcs[ball].turning.go_on_from(orientation);
         }
         for ball in 0..self.balls.len() {
             self.predict(ball);

@@ -55,6 +55,12 @@ impl Turning {
         self.followed = (0, self.start);
     }
 
+    /// The same course from another orientation.
+    pub fn go_on_from(&mut self, start: [f64; 4]) {
+        self.start = start;
+        self.followed = (0, start);
+    }
+
     /// The orientation at `theta`.
     pub fn at(&mut self, theta: f64) -> [f64; 4] {
         if theta == 0.0 || self.turn[1..].iter().all(|c| *c == V3::zeros()) {

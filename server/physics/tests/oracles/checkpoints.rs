@@ -131,6 +131,40 @@ fn what_is_no_checkpoint_of_the_scene_is_refused_and_changes_nothing() {
     assert_eq!(load(&heavier).restore(&whole), Err(CheckpointFault::Scene));
 }
 
+/// What an arc is made of follows from its start: it is launched again and not kept.
+#[test]
+fn a_checkpoint_takes_a_third_of_a_kilobyte_a_ball() {
+    for (name, scene) in scenes() {
+        let words = |count: usize| {
+            let balls = scene.balls[..count].to_vec();
+            load(&Scene { balls, ..scene.clone() }).checkpoint().words().len()
+        };
+        let a_ball = 8 * (words(2) - words(1));
+        println!("{name}: {a_ball} B a ball");
+        assert!(a_ball <= 320, "{name}: {a_ball} B");
+    }
+}
+
+#[test]
+fn balls_set_as_in_another_run_go_on_turning_from_there() {
+    let scene = original();
+    let start = load(&scene);
+    let mut engine = load(&scene);
+    (0..97).for_each(|t| tick(&mut engine, t));
+    engine.set_as_in(&start);
+    let mut twin = load(&scene);
+    // The first step of either is the same, and so is how it turns.
+    for t in 1..=6 {
+        engine.advance_to(Time::of_tick(97 + t, RATE_HZ));
+        twin.advance_to(Time::of_tick(t, RATE_HZ));
+        for (a, b) in engine.balls().iter().zip(twin.balls()) {
+            let apart =
+                a.orientation.iter().zip(b.orientation).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-9, "tick {t}: {:?} {:?}", a.orientation, b.orientation);
+        }
+    }
+}
+
 /// Nothing of the future is left to chance: a run restored from a checkpoint has the same words, and another place of
 /// one ball, by one bit, another hash.
 #[test]
