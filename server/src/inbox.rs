@@ -123,6 +123,12 @@ impl Inbox {
         self.next_wanted.store(waiting.wanted.next_tick(), Ordering::Relaxed);
     }
 
+    /// Moves everything that waits to the end of `out`, whatever tick it is wanted at.
+    pub fn drain_all_into(&self, out: &mut Vec<Request>) {
+        // Of an epoch that never comes: nothing waits for its tick any more.
+        self.drain_into(out, Moment { epoch: u64::MAX, tick: 0 });
+    }
+
     /// Takes no more; what waits can still be drained.
     pub fn close(&self) {
         self.lock().closed = true;

@@ -9,7 +9,7 @@ use crate::meter::Meter;
 use crate::network;
 use crate::recording::{Audience, Reader, ReplayError, Verdict, begin, replay_before};
 use crate::simulation::{NumberedHit, Simulation};
-use crate::workshop::Bench;
+use crate::wanted::Moment;
 use protocol::command::{Command, Refusal, Reply, SpeedFactor, code};
 use protocol::stats::Stats;
 use std::io::Read;
@@ -50,8 +50,7 @@ impl<R: Read> Screening<R> {
         let options = ArenaOptions { tick_rate_hz: simulation.tick_rate_hz(), ..options.clone() };
         let (inbox, handover) = (Arc::new(Inbox::default()), Arc::new(Handover::new()));
         let (archive, diary) = Archive::new(&simulation, Settings::live(0));
-        let bench = Bench::new(&simulation);
-        let network = network::Network::open(&options, &simulation, &inbox, handover.clone(), archive, bench)
+        let network = network::Network::open(&options, &simulation, &inbox, handover.clone(), archive)
             .map_err(ArenaError::from)?;
         let endpoint = network.endpoints().first().cloned().unwrap_or_default();
         let thread = std::thread::Builder::new().name("publish".into());
@@ -204,7 +203,7 @@ impl<S: Fn() -> bool> Projector<S> {
     /// True when there were any.
     fn obey_commands(&mut self) -> bool {
         let mut requests = Vec::new();
-        self.inbox.drain_into(&mut requests);
+        self.inbox.drain_into(&mut requests, Moment { epoch: self.now.0, tick: self.now.1 });
         let any = !requests.is_empty();
         for Request { command, answer, .. } in requests {
             if command.needs_preparing() {
@@ -292,7 +291,7 @@ impl<S: Fn() -> bool> Projector<S> {
         self.end_steps(Err(Refusal::new(code::ENDING, ENDING)));
         self.inbox.close();
         let mut requests = Vec::new();
-        self.inbox.drain_into(&mut requests);
+        self.inbox.drain_all_into(&mut requests);
         for answer in requests.into_iter().filter_map(|request| request.answer) {
             let reply = Reply::of(Err(Refusal::new(code::ENDING, ENDING)), self.now.1, self.now.0);
             self.answers.push(Answered { answer, reply });

@@ -134,8 +134,7 @@ impl TickLoop {
         self.end_stepping(Err(Refusal::new(code::ENDING, ENDING)));
         self.inbox.close();
         let mut requests = std::mem::take(&mut self.requests);
-        // Of an epoch that never comes: nothing waits for its tick any more.
-        self.inbox.drain_into(&mut requests, Moment { epoch: u64::MAX, tick: 0 });
+        self.inbox.drain_all_into(&mut requests);
         for answer in requests.drain(..).filter_map(|request| request.answer) {
             self.inbox.count_refused();
             let reply = self.reply(Err(Refusal::new(code::ENDING, ENDING)));

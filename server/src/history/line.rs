@@ -312,12 +312,11 @@ pub fn bytes_of_all<'a>(pasts: impl Iterator<Item = &'a Arc<Past>>) -> u64 {
 fn bytes_of(deed: &Deed) -> u64 {
     let more = match &deed.what {
         What::Command(command) => match &**command {
-            Command::SetBalls { balls } => {
-                size_of_val(&balls[..]) + balls.iter().map(|ball| ball.name.len()).sum::<usize>()
-            }
             Command::LoadScene { toml: Some(toml), .. } => toml.len(),
             Command::LoadState { state: Some(state), .. } => state.words.len(),
-            _ => 0,
+            Command::Steer { .. } => 0,
+            // As long as it is on the wire, about.
+            command => protocol::codec::encode_json(command).len(),
         },
         What::Entered(past) => past.bytes() as usize,
         What::WentBack => 0,

@@ -106,11 +106,6 @@ impl SceneText {
         self
     }
 
-    /// What places its clouds instead of their own seeds.
-    pub const fn seed(&self) -> Option<u64> {
-        self.seed
-    }
-
     /// The same with `count` balls in all, when one is given. The scene must have exactly one cloud, which makes up the
     /// number; the room is stretched sideways by the root of the ratio, so that as much of the floor is covered as
     /// before, and its heights stay.
