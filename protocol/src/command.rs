@@ -199,8 +199,8 @@ pub const SPEED_FACTORS: [f64; 2] = [0.01, 100.0];
 pub struct CommandFault(String);
 
 impl CommandFault {
-    pub(crate) const fn new(why: String) -> Self {
-        Self(why)
+    pub(crate) fn new(why: impl Into<String>) -> Self {
+        Self(why.into())
     }
 }
 
@@ -408,8 +408,8 @@ impl Direction {
         }
     }
 
-    /// A unit vector may be longer than 1 by its rounding.
-    fn check(self) -> Result<(), CommandFault> {
+    /// Whether it is a direction. A unit vector may be longer than 1 by its rounding.
+    pub fn check(self) -> Result<(), CommandFault> {
         let Self::Vector([x, y]) = self else { return Ok(()) };
         // Not `>`: NaN is refused too.
         if x.abs() <= 2.0 && y.abs() <= 2.0 && x.mul_add(x, y * y).sqrt() <= 1.0 + 1e-9 {

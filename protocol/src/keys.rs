@@ -7,6 +7,8 @@
 //! | `stats` | server | [`Stats`](crate::stats::Stats) once a second, JSON |
 //! | `meta/scene` | server | the [`Scene`](crate::scene::Scene) at each start of an epoch, JSON |
 //! | `cmd/<player>` | player | one line of JSON, unanswered |
+//! | `drive/<player>` | player | [`Drive`](crate::player::Drive): commands for a claimed ball, until they are acknowledged, JSON |
+//! | `ack/<player>` | server | [`Ack`](crate::player::Ack): what became of them, JSON |
 //! | `srv/command` | anyone, asked | a command in, a [`Reply`](crate::command::Reply) out, JSON |
 //! | `srv/snapshot` | anyone, asked | the [`World`](crate::snapshot::World), binary or `?format=json` |
 //! | `srv/scene` | anyone, asked | the scene, JSON |
@@ -16,12 +18,16 @@
 //! | `srv/parameters` | anyone, asked | [`Parameters`](crate::parameter::Parameters) of the scene: value, unit, range, whether it may be set, JSON |
 //! | `srv/features` | anyone, asked | [`Features`](crate::listing::Features): what is supported, with limits, JSON |
 //! | `srv/scenes` | anyone, asked | [`Scenes`](crate::listing::Scenes) that come with the program, JSON |
+//! | `srv/claim` | anyone, asked | a [`Claim`](crate::player::Claim) in, [`Claimed`](crate::player::Claimed) out, JSON |
+//! | `srv/release` | anyone, asked | a [`Release`](crate::player::Release) in, a [`Reply`](crate::command::Reply) out, JSON |
+//! | `srv/players` | anyone, asked | who drives which ball: [`Players`](crate::player::Players), JSON |
 //! | `srv/slots` | anyone, asked | the [`Timeline`](crate::timeline::Timeline): how far a rewind reaches, and the slots, JSON |
 //! | `srv/checkpoint` | anyone, asked | the present state or `?slot=a` as a [`SavedState`](crate::timeline::SavedState), JSON |
 //! | `alive/<role>/<id>` | each for itself | a liveliness token while it lives |
 //!
 //! The chunk `v1` changes when old and new can no longer understand each other.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
@@ -32,7 +38,8 @@ pub const MAX_NAME_BYTES: usize = 32;
 pub const DEFAULT_ARENA: &str = "main";
 
 /// A chunk of a key: 1 to 32 of `a-z`, `0-9`, `_` and `-`, so that no name can smuggle in a wildcard or a slash.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Name(String);
 
 /// Why a text is no [`Name`].
@@ -63,9 +70,23 @@ impl FromStr for Name {
     }
 }
 
+impl TryFrom<String> for Name {
+    type Error = BadName;
+
+    fn try_from(text: String) -> Result<Self, BadName> {
+        text.parse()
+    }
+}
+
+impl From<Name> for String {
+    fn from(name: Name) -> Self {
+        name.0
+    }
+}
+
 impl fmt::Display for Name {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
+        f.pad(&self.0)
     }
 }
 
@@ -135,6 +156,41 @@ impl Keys {
     /// Whose command arrived under `key`, if it is one of this arena's.
     pub fn player_of(&self, key: &str) -> Option<Name> {
         key.strip_prefix(&self.prefix)?.strip_prefix("/cmd/")?.parse().ok()
+    }
+
+    /// One player's commands for a claimed ball.
+    pub fn drive(&self, player: &Name) -> String {
+        self.under(&format!("drive/{player}"))
+    }
+
+    /// All players' commands for claimed balls.
+    pub fn drive_of_anyone(&self) -> String {
+        self.under("drive/*")
+    }
+
+    /// Who drives by the message that arrived under `key`, if it is one of this arena's.
+    pub fn driver_of(&self, key: &str) -> Option<Name> {
+        key.strip_prefix(&self.prefix)?.strip_prefix("/drive/")?.parse().ok()
+    }
+
+    /// What became of one player's commands.
+    pub fn ack(&self, player: &Name) -> String {
+        self.under(&format!("ack/{player}"))
+    }
+
+    /// Asks for a ball.
+    pub fn srv_claim(&self) -> String {
+        self.under("srv/claim")
+    }
+
+    /// Gives a ball back.
+    pub fn srv_release(&self) -> String {
+        self.under("srv/release")
+    }
+
+    /// Who drives which ball.
+    pub fn srv_players(&self) -> String {
+        self.under("srv/players")
     }
 
     /// Commands that are answered.
@@ -228,6 +284,8 @@ mod tests {
         assert_eq!(keys.cmd(&player), "ballroom/v1/main/cmd/p1");
         assert_eq!(keys.player_of(&keys.cmd(&player)), Some(player));
         assert_eq!(keys.player_of("ballroom/v1/other/cmd/p1"), None);
+        assert_eq!(keys.driver_of("ballroom/v1/main/drive/p1"), Some("p1".parse().unwrap()));
+        assert_eq!(keys.driver_of("ballroom/v1/main/cmd/p1"), None);
         assert_eq!(keys.player_of("ballroom/v1/main/cmd/p1/x"), None);
     }
 }

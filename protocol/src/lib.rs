@@ -8,6 +8,7 @@
 //! | [`change`] | what of a world a command may change |
 //! | [`parameter`] | numbers of a scene that may be read, and some of them set |
 //! | [`reply`] | done at which tick, or why not, with a code |
+//! | [`player`] | who drives which ball, and what they say while they do |
 //! | [`snapshot`] | the state of all balls at a tick |
 //! | [`event`] | one hit, with time, place and impulse |
 //! | [`stats`] | what the server says of itself once a second |
@@ -25,6 +26,7 @@ pub mod info;
 pub mod keys;
 pub mod listing;
 pub mod parameter;
+pub mod player;
 pub mod reply;
 pub mod scene;
 pub mod scene_text;

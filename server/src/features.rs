@@ -3,12 +3,16 @@
 use crate::arena::TICK_RATES_HZ;
 use crate::history::{MAX_POINTS, MAX_SLOT_BYTES};
 use crate::inbox::INBOX_CAPACITY;
+use crate::players::{DRIVES_PER_S, MESSAGES_PER_S};
 use crate::scene_file::{SceneText, built_in_names};
 use crate::workshop::MAX_JOBS;
 use protocol::change::{MAX_CHANGED_BALLS, MAX_MOVED_POINTS, MAX_SET_PARAMETERS};
 use protocol::codec::{MAX_BALLS, MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
 use protocol::command::{MAX_RUN_TICKS, MAX_SET_BALLS, MAX_STEP_TICKS, SPEED_FACTORS};
 use protocol::listing::{Features, MAX_ROWS, SceneEntry, Scenes};
+use protocol::player::{
+    LEASE_MILLIS, MAX_CLAIM_BYTES, MAX_DRIVE_BYTES, MAX_PLAYERS, MAX_TICKS_AHEAD, MAX_WINDOW,
+};
 use protocol::scene::MAX_TAGS;
 use protocol::timeline::{MAX_REWIND_S, MAX_SLOTS, MAX_WORDS_BYTES};
 
@@ -42,6 +46,17 @@ pub fn features() -> Features {
         ("load_state", of(&[jobs, long, ("max_words_bytes", MAX_WORDS_BYTES as f64)])),
         ("load_scene", of(&[jobs, long, ("max_balls", MAX_BALLS as f64)])),
     ];
+    // The rest is of the messages of whoever was given a ball.
+    let claim = [
+        ("max_bytes", MAX_CLAIM_BYTES as f64),
+        ("max_players", MAX_PLAYERS as f64),
+        ("lease_s", LEASE_MILLIS as f64 * 1e-3),
+        ("max_drive_bytes", MAX_DRIVE_BYTES as f64),
+        ("max_unacknowledged", MAX_WINDOW as f64),
+        ("max_ticks_ahead", MAX_TICKS_AHEAD as f64),
+        ("max_messages_per_s", MESSAGES_PER_S),
+        ("max_commands_per_s", DRIVES_PER_S),
+    ];
     let questions = [
         ("snapshot", of(&[])),
         ("scene", of(&[])),
@@ -53,6 +68,9 @@ pub fn features() -> Features {
         ("slots", of(&[])),
         ("checkpoint", of(&[])),
         ("balls", of(&[("max_rows", MAX_ROWS as f64)])),
+        ("players", of(&[])),
+        ("release", of(&[("max_bytes", MAX_CLAIM_BYTES as f64)])),
+        ("claim", of(&claim)),
     ];
     Features {
         commands: commands.into_iter().map(|(name, limits)| (name.to_owned(), limits)).collect(),

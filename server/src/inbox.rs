@@ -1,5 +1,6 @@
 //! Commands as they arrive: bounded, in order, drained by the tick loop.
 
+use crate::wanted::{Moment, Wanted, When};
 use crate::workshop::Ready;
 use protocol::command::{Command, Refusal, Reply, code};
 use std::collections::VecDeque;
@@ -43,10 +44,11 @@ pub struct Refused {
 pub const ENDING: &str = "the server ends";
 
 /// The queue between the network and the tick loop.
-#[derive(Default)]
 pub struct Inbox {
     waiting: Mutex<Waiting>,
     arrived: Condvar,
+    /// The next tick that a player's command waits for, to be seen without the lock.
+    next_wanted: AtomicU64,
     accepted: AtomicU64,
     refused: AtomicU64,
 }
@@ -54,7 +56,20 @@ pub struct Inbox {
 #[derive(Default)]
 struct Waiting {
     requests: VecDeque<Request>,
+    wanted: Wanted,
     closed: bool,
+}
+
+impl Default for Inbox {
+    fn default() -> Self {
+        Self {
+            waiting: Mutex::default(),
+            arrived: Condvar::new(),
+            next_wanted: AtomicU64::new(u64::MAX),
+            accepted: AtomicU64::new(0),
+            refused: AtomicU64::new(0),
+        }
+    }
 }
 
 impl Inbox {
@@ -74,9 +89,44 @@ impl Inbox {
         Ok(())
     }
 
-    /// Moves everything that waits to the end of `out`, in order of arrival.
-    pub fn drain_into(&self, out: &mut Vec<Request>) {
-        out.extend(self.lock().requests.drain(..));
+    /// Takes a command of a player's claim for the tick at which it is wanted, or says why not.
+    pub fn offer_at(&self, claim: u64, when: When, request: Request) -> Result<(), Refusal> {
+        let mut waiting = self.lock();
+        if waiting.closed {
+            return Err(Refusal::new(code::ENDING, ENDING));
+        }
+        waiting.wanted.push(claim, when, request)?;
+        self.next_wanted.store(waiting.wanted.next_tick(), Ordering::Relaxed);
+        drop(waiting);
+        self.arrived.notify_one();
+        Ok(())
+    }
+
+    /// Takes back what waits for its tick of a claim.
+    pub fn withdraw(&self, claim: u64) -> Vec<Request> {
+        let mut waiting = self.lock();
+        let gone = waiting.wanted.withdraw(claim);
+        self.next_wanted.store(waiting.wanted.next_tick(), Ordering::Relaxed);
+        gone
+    }
+
+    /// The next tick that a player's command waits for; the largest number when none does.
+    pub fn next_wanted_tick(&self) -> u64 {
+        self.next_wanted.load(Ordering::Relaxed)
+    }
+
+    /// Moves everything that waits to the end of `out`, in order of arrival, and then what is wanted by `now`.
+    pub fn drain_into(&self, out: &mut Vec<Request>, now: Moment) {
+        let mut waiting = self.lock();
+        out.extend(waiting.requests.drain(..));
+        waiting.wanted.drain_into(out, now);
+        self.next_wanted.store(waiting.wanted.next_tick(), Ordering::Relaxed);
+    }
+
+    /// Moves everything that waits to the end of `out`, whatever tick it is wanted at.
+    pub fn drain_all_into(&self, out: &mut Vec<Request>) {
+        // Of an epoch that never comes: nothing waits for its tick any more.
+        self.drain_into(out, Moment { epoch: u64::MAX, tick: 0 });
     }
 
     /// Takes no more; what waits can still be drained.
@@ -92,7 +142,7 @@ impl Inbox {
     /// Sleeps until `deadline` or until something waits.
     pub fn wait_until(&self, deadline: Instant) {
         let mut waiting = self.lock();
-        while waiting.requests.is_empty() {
+        while waiting.requests.is_empty() && !waiting.wanted.is_due() {
             let left = deadline.saturating_duration_since(Instant::now());
             if left == Duration::ZERO {
                 return;
@@ -137,7 +187,7 @@ mod tests {
         }
         assert!(inbox.offer(step(0)).is_err());
         let mut out = Vec::new();
-        inbox.drain_into(&mut out);
+        inbox.drain_into(&mut out, Moment::default());
         let ticks = out.iter().map(|request| match request.command {
             Command::Step { ticks } => ticks,
             _ => u64::MAX,

@@ -13,7 +13,10 @@
 //! | [`parameters`] | numbers of a scene that may be read, and some of them set |
 //! | [`workshop`] | what takes longer than a tick has, made ready on a thread of its own |
 //! | [`features`] | what is understood, with limits |
+//! | [`bucket`] | how many messages one source may send |
 //! | [`inbox`] | commands as they arrive: bounded, in order |
+//! | [`wanted`] | players' commands that wait for their ticks |
+//! | [`players`] | who drives which ball: claims, windows, dead-man |
 //! | [`tick_loop`] | a fixed rate, on a plain thread |
 //! | [`meter`] | how long ticks take |
 //! | [`handover`] | from the tick thread to the publisher |
@@ -22,9 +25,11 @@
 //! | [`recording`] | what a run was given and what became of it, in a file; and the run again |
 //! | [`screening`] | a recording shown again, at any speed |
 //! | `network` | the only place that names Zenoh |
+//! | [`terminal`] | keys in, a few lines out, for whoever plays in a terminal |
 //! | [`arena`] | all of it together |
 
 pub mod arena;
+pub mod bucket;
 pub mod change;
 pub mod checkpoint_file;
 pub mod features;
@@ -34,11 +39,14 @@ pub mod inbox;
 pub mod meter;
 mod network;
 pub mod parameters;
+pub mod players;
 pub mod recording;
 pub mod scene_file;
 pub mod screening;
 pub mod simulation;
+pub mod terminal;
 pub mod tick_loop;
+pub mod wanted;
 pub mod workshop;
 pub mod world;
 

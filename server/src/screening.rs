@@ -9,6 +9,7 @@ use crate::meter::Meter;
 use crate::network;
 use crate::recording::{Audience, Reader, ReplayError, Verdict, begin, replay_before};
 use crate::simulation::{NumberedHit, Simulation};
+use crate::wanted::Moment;
 use protocol::command::{Command, Refusal, Reply, SpeedFactor, code};
 use protocol::stats::Stats;
 use std::io::Read;
@@ -202,7 +203,7 @@ impl<S: Fn() -> bool> Projector<S> {
     /// True when there were any.
     fn obey_commands(&mut self) -> bool {
         let mut requests = Vec::new();
-        self.inbox.drain_into(&mut requests);
+        self.inbox.drain_into(&mut requests, Moment { epoch: self.now.0, tick: self.now.1 });
         let any = !requests.is_empty();
         for Request { command, answer, .. } in requests {
             if command.needs_preparing() {
@@ -290,7 +291,7 @@ impl<S: Fn() -> bool> Projector<S> {
         self.end_steps(Err(Refusal::new(code::ENDING, ENDING)));
         self.inbox.close();
         let mut requests = Vec::new();
-        self.inbox.drain_into(&mut requests);
+        self.inbox.drain_all_into(&mut requests);
         for answer in requests.into_iter().filter_map(|request| request.answer) {
             let reply = Reply::of(Err(Refusal::new(code::ENDING, ENDING)), self.now.1, self.now.0);
             self.answers.push(Answered { answer, reply });

@@ -3,10 +3,11 @@
 use crate::change::Change;
 use crate::handover::{HITS_CAPACITY, Handover};
 use crate::history::{Archive, Diary, Settings};
-use crate::inbox::{Answer, Answered, ENDING, Inbox, Request};
+use crate::inbox::{Answer, Answered, ENDING, INBOX_CAPACITY, Inbox, Request};
 use crate::meter::Meter;
 use crate::recording::Tape;
 use crate::simulation::{NumberedHit, Simulation};
+use crate::wanted::{Moment, WANTED_CAPACITY};
 use crate::workshop::Ready;
 use protocol::command::{Command, MAX_RUN_TICKS, Refusal, Reply, Scope, SpeedFactor, code};
 use protocol::stats::Stats;
@@ -70,8 +71,8 @@ impl TickLoop {
             stepping: None,
             meter: Meter::new(),
             sequence: 0,
-            requests: Vec::with_capacity(crate::inbox::INBOX_CAPACITY),
-            answers: Vec::with_capacity(crate::inbox::INBOX_CAPACITY),
+            requests: Vec::with_capacity(INBOX_CAPACITY + WANTED_CAPACITY),
+            answers: Vec::with_capacity(INBOX_CAPACITY + WANTED_CAPACITY),
             hits: Vec::with_capacity(HITS_CAPACITY),
             tape: Tape::default(),
             diary,
@@ -133,13 +134,17 @@ impl TickLoop {
         self.end_stepping(Err(Refusal::new(code::ENDING, ENDING)));
         self.inbox.close();
         let mut requests = std::mem::take(&mut self.requests);
-        self.inbox.drain_into(&mut requests);
+        self.inbox.drain_all_into(&mut requests);
         for answer in requests.drain(..).filter_map(|request| request.answer) {
             self.inbox.count_refused();
             let reply = self.reply(Err(Refusal::new(code::ENDING, ENDING)));
             self.answers.push(Answered { answer, reply });
         }
         self.handover.put(None, &mut self.hits, &mut self.answers, None);
+    }
+
+    const fn now(&self) -> Moment {
+        Moment { epoch: self.simulation.epoch(), tick: self.simulation.tick() }
     }
 
     fn period(&self) -> Duration {
@@ -173,14 +178,14 @@ impl TickLoop {
         }
     }
 
-    /// As many ticks as fit before `until` and up to `last_tick`, at least one.
+    /// As many ticks as fit before `until` and up to `last_tick` or to one that a command waits for, at least one.
     fn make_ticks(&mut self, until: Instant, last_tick: u64) {
         while self.simulation.tick() < last_tick {
             self.tape.give_way();
             let began = Instant::now();
             self.tick();
             self.meter.record(began.elapsed());
-            if Instant::now() >= until {
+            if Instant::now() >= until || self.inbox.next_wanted_tick() <= self.simulation.tick() {
                 break;
             }
         }
@@ -209,7 +214,7 @@ impl TickLoop {
     /// Applies what waits, at the present tick; true when there was something.
     fn apply_commands(&mut self) -> bool {
         let mut requests = std::mem::take(&mut self.requests);
-        self.inbox.drain_into(&mut requests);
+        self.inbox.drain_into(&mut requests, self.now());
         let touched = !requests.is_empty();
         for request in requests.drain(..) {
             self.apply(request);

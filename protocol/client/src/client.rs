@@ -9,6 +9,7 @@ use protocol::event::Events;
 use protocol::keys::{Keys, Name, Role};
 use protocol::listing::{Balls, Features, Scenes, Selection};
 use protocol::parameter::Parameters;
+use protocol::player::Players;
 use protocol::scene::Scene;
 use protocol::snapshot::{Snapshot, World};
 use protocol::stats::Stats;
@@ -199,6 +200,11 @@ impl Client {
         Ok(codec::decode_json(&self.ask(&self.keys.srv_scenes())?)?)
     }
 
+    /// Who drives which ball.
+    pub fn players(&self) -> Result<Players, ClientError> {
+        Ok(codec::decode_json(&self.ask(&self.keys.srv_players())?)?)
+    }
+
     /// Back along what happened, into a new epoch whose tick is the one that was gone back to.
     pub fn rewind(&self, rewind: Rewind) -> Result<Reply, ClientError> {
         self.command(&Command::Rewind(rewind))
@@ -293,10 +299,14 @@ impl Client {
         Follower::new(self.clone())
     }
 
-    /// Asks until somebody answers, as long as the client's patience lasts.
     fn ask(&self, key: &str) -> Result<Vec<u8>, ClientError> {
+        self.ask_with(key, None)
+    }
+
+    /// Asks until somebody answers, as long as the client's patience lasts.
+    pub(crate) fn ask_with(&self, key: &str, payload: Option<&[u8]>) -> Result<Vec<u8>, ClientError> {
         loop {
-            if let Some(answer) = self.ask_once(key, self.options.timeout)? {
+            if let Some(answer) = self.ask_once_with(key, payload, self.options.timeout)? {
                 return Ok(answer);
             }
             // Nobody served it; just after the session opened the server's declarations may not have arrived yet.
@@ -317,11 +327,23 @@ impl Client {
         Ok(())
     }
 
-    /// One answer, or none when nobody serves this key.
     fn ask_once(&self, key: &str, timeout: Duration) -> Result<Option<Vec<u8>>, ClientError> {
+        self.ask_once_with(key, None, timeout)
+    }
+
+    /// One answer, or none when nobody serves this key.
+    pub(crate) fn ask_once_with(
+        &self,
+        key: &str,
+        payload: Option<&[u8]>,
+        timeout: Duration,
+    ) -> Result<Option<Vec<u8>>, ClientError> {
         // Dropping what does not fit keeps the session's receiving thread free whatever is sent.
         let (answers, inbox) = sync_channel(MAX_ANSWERS);
-        let question = self.session.get(key).timeout(timeout);
+        let mut question = self.session.get(key).timeout(timeout);
+        if let Some(payload) = payload {
+            question = question.payload(payload).encoding(Encoding::APPLICATION_JSON);
+        }
         question.callback(move |reply| drop(answers.try_send(reply))).wait()?;
         first_answer(&inbox, key, timeout)
     }

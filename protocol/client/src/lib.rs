@@ -6,16 +6,25 @@
 //! | `client` | commands, questions, presses |
 //! | `feed` | what the server publishes, newest first, never blocking the session |
 //! | `follow` | the world and then its states, through late joins, resets and restarts of the server |
+//! | `driver` | a claimed ball: commands go out again and again until they are acknowledged |
+//! | `renewal` | how often a held force is renewed |
+//! | `window` | what a player has sent and what came of it |
 //!
 //! No runtime is needed. The client must not be used inside a single-threaded tokio runtime.
 
 mod client;
+mod driver;
 mod feed;
 mod follow;
 mod options;
+mod renewal;
+mod window;
 
 pub use client::{Client, ClientError};
+pub use driver::{DriveFault, Driver};
 pub use feed::{Feed, Presence, Presences};
 pub use follow::{Follower, Update};
 pub use options::{Abort, ClientOptions, DEFAULT_ENDPOINT, Patience, Setting};
+pub use renewal::renew_every;
+pub use window::Wanted;
 pub use zenoh::liveliness::LivelinessToken;

@@ -10,6 +10,7 @@ use protocol::event::{Event, Events, Other};
 use protocol::info::Info;
 use protocol::keys::{Keys, Name};
 use protocol::listing::{Balls, Features, Scenes, Selection};
+use protocol::player::{Ack, Claim, Claimed, Drive, Players, Release};
 use protocol::scene::Scene;
 use protocol::scene_text;
 use protocol::snapshot::{Roster, Snapshot, World};
@@ -148,6 +149,38 @@ fn a_command() {
     fuzz!(valid.map(|text| text.as_bytes().to_vec()), |bytes| {
         settles(bytes, codec::decode_command, codec::encode_json);
     });
+}
+
+#[test]
+fn what_a_player_says() {
+    let valid = [
+        r#"{"token":"00112233445566778899aabbccddeeff","number":7,"acked":2,"latency_ms":12.5,"sent":[{"seq":3,"tick":9,"epoch":1,"direction":[0.6,-0.8],"mode":"force"},{"seq":4,"direction":"up"}]}"#,
+        r#"{"player":"ann","ball":"red"}"#,
+        r#"{"player":"ann","token":"00112233445566778899aabbccddeeff"}"#,
+    ];
+    fuzz!(valid.map(|text| text.as_bytes().to_vec()), |bytes| {
+        settles(bytes, |bytes| Ok(Drive::from_json(bytes)?), codec::encode_json);
+        settles(bytes, |bytes| Ok(Claim::from_json(bytes)?), codec::encode_json);
+        settles(bytes, |bytes| Ok(Release::from_json(bytes)?), codec::encode_json);
+    });
+}
+
+#[test]
+fn an_acknowledgement() {
+    let text = r#"{"claim":1,"heard":7,"next_seq":5,"acted":[{"seq":3,"tick":9,"epoch":1,"code":1}],"ended":"left"}"#;
+    fuzz_json!(Ack, &codec::decode_json::<Ack>(text.as_bytes()).unwrap());
+}
+
+#[test]
+fn the_answer_to_a_claim() {
+    let text = r#"{"ok":true,"code":1,"tick":5,"epoch":6,"player":"ann","ball":"red","claim":3,"token":"00112233445566778899aabbccddeeff","lease_s":2.0}"#;
+    fuzz_json!(Claimed, &codec::decode_json::<Claimed>(text.as_bytes()).unwrap());
+}
+
+#[test]
+fn a_list_of_players() {
+    let text = r#"{"players":[{"player":"ann","ball":"red","claim":1,"hits":{"ball_ball":3,"ball_wall":12},"rank":1,"commands":5,"refused":0,"waiting":0,"messages":118,"lost":2,"repeated":1,"latency_ms":null,"silent_s":0.1}]}"#;
+    fuzz_json!(Players, &codec::decode_json::<Players>(text.as_bytes()).unwrap());
 }
 
 #[test]

@@ -11,7 +11,10 @@ mod floor;
 mod hardcases;
 mod lines;
 mod numbers;
+mod pad;
 mod parameters;
+mod play;
+mod players;
 mod replay;
 mod resume;
 mod serve;
@@ -68,6 +71,8 @@ enum Subcommands {
     Load(world::Load),
     Scenes(world::Scenes),
     Features(world::Features),
+    Play(play::Play),
+    Players(players::Players),
     Watch(watch::Watch),
     Simulate(simulate::Simulate),
     Replay(replay::Replay),
@@ -81,7 +86,7 @@ pub fn main() -> ExitCode {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info,zenoh=error"));
     tracing_subscriber::fmt()
         .with_env_filter(filter)
-        .with_writer(std::io::stderr)
+        .with_writer(server::terminal::screen::LogLines::default)
         .with_ansi(std::io::stderr().is_terminal())
         .with_target(false)
         .init();
@@ -105,6 +110,8 @@ pub fn main() -> ExitCode {
         Subcommands::Features(features) => features.run(),
         Subcommands::Reset(reset) => reset.run(),
         Subcommands::Speed(speed) => speed.run(),
+        Subcommands::Play(play) => play.run(),
+        Subcommands::Players(players) => players.run(),
         Subcommands::Watch(watch) => watch.run(),
         Subcommands::Simulate(simulate) => simulate.run(),
         Subcommands::Replay(replay) => replay.run(),

@@ -19,6 +19,7 @@ pub fn abort_on_signal() -> anyhow::Result<Abort> {
             switch.abort();
             signals.next().await;
         });
+        server::terminal::screen::restore();
         std::process::exit(130)
     })?;
     Ok(abort)

@@ -3,9 +3,11 @@
 
 use super::Latest;
 use crate::history::Archive;
+use crate::players::Players;
 use protocol::codec;
 use protocol::command::Reply;
 use protocol::listing::Selection;
+use protocol::player::Claimed;
 use protocol::timeline::SavedState;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -20,6 +22,10 @@ const MAX_WAITING: usize = 256;
 pub enum Answer {
     /// What came of a command.
     Reply(Reply),
+    /// What came of asking for a ball.
+    Claimed(Claimed),
+    /// Who drives which ball when the answer is made.
+    Players,
     /// The world as it is when the answer is made.
     World {
         /// Rather than binary.
@@ -53,12 +59,16 @@ pub struct Answers(SyncSender<(Query, Answer)>);
 
 impl Answers {
     /// Starts the thread; the receiver hears when it has ended.
-    pub fn start(latest: Arc<Latest>, archive: Arc<Archive>) -> std::io::Result<(Self, Receiver<()>)> {
+    pub fn start(
+        latest: Arc<Latest>,
+        archive: Arc<Archive>,
+        players: Arc<Players>,
+    ) -> std::io::Result<(Self, Receiver<()>)> {
         let (queue, waiting) = sync_channel::<(Query, Answer)>(MAX_WAITING);
         let (finished, ended) = sync_channel(1);
         std::thread::Builder::new().name("answer".into()).spawn(move || {
             for (query, answer) in waiting {
-                send(&latest, &archive, &query, answer);
+                send(&latest, &archive, &players, &query, answer);
             }
             drop(finished);
         })?;
@@ -71,9 +81,11 @@ impl Answers {
     }
 }
 
-fn send(latest: &Latest, archive: &Archive, query: &Query, answer: Answer) {
+fn send(latest: &Latest, archive: &Archive, players: &Players, query: &Query, answer: Answer) {
     let (bytes, encoding) = match answer {
         Answer::Reply(reply) => json(&reply),
+        Answer::Claimed(claimed) => json(&claimed),
+        Answer::Players => json(&players.listing()),
         Answer::World { as_json: true } => json(&latest.world()),
         Answer::World { as_json: false } => {
             (codec::encode_world(&latest.world()), Encoding::APPLICATION_CBOR)

@@ -1,5 +1,6 @@
 //! How many commands and questions one source may send: a token bucket each.
 
+use crate::bucket::Bucket;
 use protocol::keys::Name;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -33,31 +34,6 @@ impl Default for Budget {
     fn default() -> Self {
         let full = || Bucket::full(ANSWERS_PER_S, Instant::now());
         Self { players: BTreeMap::new(), commands: full(), questions: full() }
-    }
-}
-
-/// Holds at most one second's worth.
-struct Bucket {
-    per_s: f64,
-    tokens: f64,
-    filled: Instant,
-}
-
-impl Bucket {
-    const fn full(per_s: f64, now: Instant) -> Self {
-        Self { per_s, tokens: per_s, filled: now }
-    }
-
-    fn level(&self, now: Instant) -> f64 {
-        let came = now.saturating_duration_since(self.filled).as_secs_f64() * self.per_s;
-        (self.tokens + came).min(self.per_s)
-    }
-
-    fn take(&mut self, now: Instant) -> bool {
-        let level = self.level(now);
-        let allowed = level >= 1.0;
-        (self.tokens, self.filled) = (if allowed { level - 1.0 } else { level }, now);
-        allowed
     }
 }
 

@@ -4,12 +4,14 @@
 //! |---|---|
 //! | `session` | one session that is its own router |
 //! | `services` | commands and questions coming in |
+//! | `driving` | players: claims, drive messages and acknowledgements |
 //! | `budget` | how many commands and questions one source may send |
 //! | `answers` | everything that is answered, on a thread of its own |
 //! | `publisher` | states, hits and statistics going out, on a thread of its own |
 
 mod answers;
 mod budget;
+mod driving;
 mod publisher;
 mod services;
 mod session;
@@ -18,6 +20,7 @@ use crate::arena::ArenaOptions;
 use crate::handover::Handover;
 use crate::history::Archive;
 use crate::inbox::Inbox;
+use crate::players::Players;
 use crate::simulation::{Simulation, Stage};
 use crate::workshop::{Bench, Workshop};
 use protocol::info::Info;
@@ -125,6 +128,7 @@ pub(crate) struct Network {
     endpoints: Vec<String>,
     publisher: publisher::Publisher,
     services: services::Services,
+    driving: driving::Driving,
     answered: Receiver<()>,
     alive: zenoh::liveliness::LivelinessToken,
 }
@@ -150,14 +154,17 @@ impl Network {
         let keys = Keys::new(&options.arena);
         let (session, endpoints) = session::open(options)?;
         let workshop = Workshop::start(Bench::new(simulation), inbox.clone(), archive.clone())?;
-        let (answers, answered) = answers::Answers::start(latest.clone(), archive)?;
-        let services = services::Services::declare(&session, &keys, &answers, inbox, workshop)?;
+        let players = Arc::new(Players::new(inbox.clone()));
+        let (answers, answered) = answers::Answers::start(latest.clone(), archive, players.clone())?;
+        let gate = services::Gate::new(inbox, &answers, workshop, &players, &latest);
         drop(answers);
-        let publisher = publisher::Publisher::declare(&session, &keys, latest, handover)?;
+        let services = services::Services::declare(&session, &keys, &gate)?;
+        let driving = driving::Driving::declare(&session, &keys, &gate)?;
+        let publisher = publisher::Publisher::declare(&session, &keys, latest, handover, players)?;
         // Last: who sees the token finds everything else in place. The epoch is a number, so this is a name.
         let id: Name = simulation.epoch().to_string().parse().expect("digits are a name");
         let alive = session.liveliness().declare_token(keys.alive(Role::Server, &id)).wait()?;
-        Ok(Self { session, endpoints, publisher, services, answered, alive })
+        Ok(Self { session, endpoints, publisher, services, driving, answered, alive })
     }
 
     pub(crate) fn endpoints(&self) -> &[String] {
@@ -167,7 +174,7 @@ impl Network {
     /// Publishes until the tick loop has ended, then closes the session.
     pub(crate) fn run(mut self) {
         self.publisher.run();
-        drop((self.alive, self.services, self.publisher));
+        drop((self.alive, self.services, self.driving, self.publisher));
         // What is still to be answered goes out first; a client that does not read has to do without.
         if self.answered.recv_timeout(CLOSE_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
             tracing::debug!("not everything was answered");

@@ -2,6 +2,7 @@
 
 use super::{Latest, NetworkError};
 use crate::handover::{Batch, Handover};
+use crate::players::Players;
 use crate::simulation::{NumberedHit, Stage};
 use protocol::codec;
 use protocol::event::Events;
@@ -25,6 +26,7 @@ pub struct Publisher {
     scene: ZenohPublisher,
     latest: Arc<Latest>,
     handover: Arc<Handover>,
+    players: Arc<Players>,
     batch: Batch,
     /// Stages whose first state is still to come.
     stages: Vec<Stage>,
@@ -41,6 +43,7 @@ impl Publisher {
         keys: &Keys,
         latest: Arc<Latest>,
         handover: Arc<Handover>,
+        players: Arc<Players>,
     ) -> Result<Self, NetworkError> {
         // Dropping keeps one slow reader from holding up the others; a state is soon followed by a newer one. Not
         // express: that would give up batching.
@@ -59,6 +62,7 @@ impl Publisher {
             scene: declare(keys.meta_scene(), Priority::DataLow, Encoding::APPLICATION_JSON)?,
             latest,
             handover,
+            players,
             batch: Batch::default(),
             stages: Vec::new(),
             epoch: None,
@@ -125,6 +129,7 @@ impl Publisher {
     }
 
     fn publish(&self, hits: &[NumberedHit], stage: &Stage) {
+        self.players.count_hits(hits, &stage.roster);
         if is_wanted(&self.event) {
             for hits in hits.chunks(codec::MAX_EVENTS) {
                 let events = hits.iter().map(|hit| hit.to_event(&stage.roster)).collect();

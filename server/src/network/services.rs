@@ -1,13 +1,14 @@
 //! Commands and questions coming in. Callbacks run on Zenoh's receiving threads: they check, and pass on to the inbox
 //! or to the answering thread; none waits for the simulation or for a client.
 
-use super::NetworkError;
 use super::answers::{Answer, Answers};
 use super::budget::{ANSWERS_PER_S, Budget, PRESSES_PER_S, Source};
+use super::{Latest, NetworkError};
 use crate::inbox::{Inbox, Refused, Request};
+use crate::players::Players;
 use crate::workshop::{self, Job, Ready, Workshop};
 use protocol::codec::{MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
-use protocol::command::{Refusal, code};
+use protocol::command::{Command, Refusal, code};
 use protocol::keys::{Keys, Name};
 use protocol::listing::Selection;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -25,19 +26,7 @@ pub struct Services {
 
 impl Services {
     /// Declares the commands and the questions of an arena.
-    pub fn declare(
-        session: &Session,
-        keys: &Keys,
-        answers: &Answers,
-        inbox: &Arc<Inbox>,
-        workshop: Workshop,
-    ) -> Result<Self, NetworkError> {
-        let gate = Arc::new(Gate {
-            inbox: inbox.clone(),
-            budget: Mutex::default(),
-            answers: answers.clone(),
-            workshop,
-        });
+    pub fn declare(session: &Session, keys: &Keys, gate: &Arc<Gate>) -> Result<Self, NetworkError> {
         let mut queryables = vec![commands(session, &keys.srv_command(), gate.clone())?];
         let mut declare = |key: String, make: fn(&Query) -> Result<Answer, String>| {
             let gate = gate.clone();
@@ -57,10 +46,11 @@ impl Services {
         declare(keys.srv_info(), |_| Ok(Answer::Info))?;
         declare(keys.srv_features(), |_| Ok(Answer::Features))?;
         declare(keys.srv_scenes(), |_| Ok(Answer::Scenes))?;
+        declare(keys.srv_players(), |_| Ok(Answer::Players))?;
         declare(keys.srv_balls(), |query| Selection::parse(query.parameters().as_str()).map(Answer::Balls))?;
         declare(keys.srv_slots(), |_| Ok(Answer::Slots))?;
         queryables.push(checkpoints(session, keys.srv_checkpoint(), gate.clone())?);
-        let presses = presses(session, keys.clone(), gate)?;
+        let presses = presses(session, keys.clone(), gate.clone())?;
         Ok(Self { _queryables: queryables, _presses: presses })
     }
 }
@@ -143,14 +133,34 @@ fn presses(session: &Session, keys: Keys, gate: Arc<Gate>) -> Result<Subscriber<
 type Unpassed = (Option<crate::inbox::Answer>, Refusal);
 
 /// What everything that comes in has to pass.
-struct Gate {
+pub struct Gate {
     inbox: Arc<Inbox>,
     budget: Mutex<Budget>,
     answers: Answers,
     workshop: Workshop,
+    pub(super) players: Arc<Players>,
+    pub(super) latest: Arc<Latest>,
 }
 
 impl Gate {
+    /// In front of an arena.
+    pub fn new(
+        inbox: &Arc<Inbox>,
+        answers: &Answers,
+        workshop: Workshop,
+        players: &Arc<Players>,
+        latest: &Arc<Latest>,
+    ) -> Arc<Self> {
+        Arc::new(Self {
+            inbox: inbox.clone(),
+            budget: Mutex::default(),
+            answers: answers.clone(),
+            workshop,
+            players: players.clone(),
+            latest: latest.clone(),
+        })
+    }
+
     /// Passes a command on to the inbox, or to the workshop where it needs more than a look.
     fn pass(
         &self,
@@ -172,14 +182,21 @@ impl Gate {
         } else {
             match workshop::read(&text) {
                 Ok(command) if command.needs_preparing() => Job::Command(command),
-                Ok(command) => return self.offer(Request { command, ready: Ready::Nothing, answer }),
+                Ok(command) => {
+                    if let Command::Steer { ball, .. } = &command
+                        && let Err(why) = self.players.allow_anyone(ball.as_deref(), || self.latest.stage())
+                    {
+                        return Err((answer, self.refuse(why.code, why.why)));
+                    }
+                    return self.offer(Request { command, ready: Ready::Nothing, answer });
+                }
                 Err(why) => return Err((answer, self.refuse(why.code, why.why))),
             }
         };
         self.workshop.give(job, answer).inspect_err(|_| self.inbox.count_refused())
     }
 
-    fn spend(&self, source: &Source) -> Result<(), Refusal> {
+    pub(super) fn spend(&self, source: &Source) -> Result<(), Refusal> {
         if self.budget.lock().unwrap_or_else(PoisonError::into_inner).allows(source, Instant::now()) {
             return Ok(());
         }
@@ -195,7 +212,7 @@ impl Gate {
         Err(self.refuse(code::TOO_MANY, why))
     }
 
-    fn refuse(&self, code: u16, why: String) -> Refusal {
+    pub(super) fn refuse(&self, code: u16, why: String) -> Refusal {
         self.inbox.count_refused();
         Refusal { code, why }
     }
@@ -207,7 +224,7 @@ impl Gate {
         })
     }
 
-    fn give(&self, query: Query, answer: Answer) {
+    pub(super) fn give(&self, query: Query, answer: Answer) {
         if !self.answers.give(query, answer) {
             tracing::debug!("a question stays unanswered: too many answers wait to be sent");
         }

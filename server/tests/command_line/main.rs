@@ -4,8 +4,11 @@ mod changing;
 mod check;
 mod control;
 mod hardcases;
+mod players;
+mod relay;
 mod serving;
 mod simulate;
+mod terminal;
 mod timeline;
 mod usage;
 

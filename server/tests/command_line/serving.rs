@@ -48,6 +48,11 @@ impl Serving {
         self.process.wait().unwrap().code()
     }
 
+    /// Where it listens.
+    pub fn endpoint(&self) -> &str {
+        &self.endpoint
+    }
+
     /// Runs a subcommand against it.
     pub fn tool(&self, arguments: &[&str]) -> Output {
         ballroom(&[arguments, &["-e", &self.endpoint]].concat())
@@ -59,6 +64,13 @@ impl Serving {
         assert_eq!(output.code, code, "{arguments:?}: {}{}", output.stdout, output.stderr);
         serde_json::from_str(&output.stdout)
             .unwrap_or_else(|e| panic!("{arguments:?}: {e}: {}", output.stdout))
+    }
+
+    /// Ends it as Ctrl-C does; whether it ended well.
+    pub fn end_in_order(mut self) -> bool {
+        let pid = self.process.id().to_string();
+        assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+        self.process.wait().unwrap().success()
     }
 
     /// A session with it.

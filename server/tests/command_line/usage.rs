@@ -20,6 +20,8 @@ fn help_names_every_subcommand_and_exit_code() {
         "load",
         "scenes",
         "features",
+        "play",
+        "players",
         "watch",
         "simulate",
         "hardcases",

@@ -2,7 +2,7 @@
 //! asked on a thread of their own, which tells what was refused.
 
 use crate::demo::keys::Wish;
-use ballroom_client::{Client, LivelinessToken};
+use ballroom_client::{Client, LivelinessToken, renew_every};
 use protocol::command::{Command, Direction, DirectionName, Scope, SpeedFactor, SteerMode};
 use protocol::keys::{Name, Role};
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -10,12 +10,6 @@ use std::time::{Duration, Instant};
 
 /// Commands that wait for the server; a stuck one makes further ones pointless.
 const MAX_WAITING: usize = 16;
-/// How often a held force is renewed at least.
-const RENEW_EVERY: Duration = Duration::from_millis(100);
-/// The same in simulated seconds: well within the half second after which the server lets go.
-const RENEW_EVERY_SIMULATED_S: f64 = 0.2;
-/// How often at most: a player's budget is 120 commands a second, and a release must find room in it.
-const RENEW_AT_MOST: Duration = Duration::from_millis(10);
 /// For so long our own last speed is trusted over the server's statistics, which come once a second.
 const SPEED_MEMORY: Duration = Duration::from_secs(3);
 /// Speeds to choose from.
@@ -76,7 +70,7 @@ impl Pilot {
 
     /// Renews a held force when it is time, at this many simulated seconds a second.
     pub fn renew(&mut self, held: Option<[f64; 2]>, speed_factor: f64) {
-        if held.is_some() && self.renewed.elapsed() >= renewal(self.speed(speed_factor)) {
+        if held.is_some() && self.renewed.elapsed() >= renew_every(self.speed(speed_factor)) {
             self.hold(held);
         }
     }
@@ -100,13 +94,6 @@ impl Pilot {
     }
 }
 
-/// Wall time between two renewals of a held force.
-fn renewal(speed_factor: f64) -> Duration {
-    let simulated =
-        Duration::try_from_secs_f64(RENEW_EVERY_SIMULATED_S / speed_factor).unwrap_or(RENEW_EVERY);
-    simulated.clamp(RENEW_AT_MOST, RENEW_EVERY)
-}
-
 /// The next speed of the list above or below.
 fn neighbour(factor: f64, faster: bool) -> f64 {
     let mut above = SPEEDS.iter().copied().filter(|s| *s > factor * 1.001);
@@ -118,14 +105,6 @@ fn neighbour(factor: f64, faster: bool) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_held_force_is_renewed_before_the_server_lets_go_at_every_speed() {
-        for speed in SPEEDS {
-            assert!(renewal(speed).as_secs_f64() * speed < 0.5 / 2.0, "{speed}");
-        }
-        assert_eq!([renewal(1.0), renewal(100.0)], [RENEW_EVERY, RENEW_AT_MOST]);
-    }
 
     #[test]
     fn speeds_go_up_and_down_the_list_and_stop_at_its_ends() {

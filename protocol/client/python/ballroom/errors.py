@@ -27,6 +27,14 @@ class RefusedError(BallroomError):
         self.code = code
 
 
+class LostBallError(BallroomError):
+    """A claimed ball is another's, or nobody's: released, its player silent for too long, or the ball gone."""
+
+    def __init__(self, ball: str, reason: str) -> None:
+        super().__init__(f"{ball} is lost: {reason}")
+        self.reason = reason
+
+
 class OutOfStepError(BallroomError):
     """The clock was moved by someone else between a step and the look at its result."""
 

@@ -162,6 +162,32 @@ class Hit:
 
 
 @dataclass(frozen=True)
+class Player:
+    """Who drives which ball. Messages are those of the present claim."""
+
+    player: str
+    ball: str
+    claim: int
+    """Number of the claim."""
+    ball_ball_hits: int
+    """Of the ball since it was claimed."""
+    ball_wall_hits: int
+    rank: int
+    """By hits with other balls, most first, from 1 on."""
+    commands: int
+    refused: int
+    waiting: int
+    """Commands that wait for their ticks."""
+    messages: int
+    lost: int
+    repeated: int
+    latency_ms: float | None
+    """From a command to its acknowledgement, as the player measured last."""
+    silent_s: float
+    """Since the last message."""
+
+
+@dataclass(frozen=True)
 class Parameter:
     """A number or a word of the scene."""
 
@@ -258,6 +284,13 @@ def hit(fields: Mapping[str, Any]) -> Hit:
     x, y, z = fields["point_m"]
     ((_, other),) = fields["other"].items()
     return Hit(**{**fields, "other": other, "point_m": (x, y, z)})
+
+
+def player(fields: Mapping[str, Any]) -> Player:
+    """Who drives, from its JSON."""
+    plain = {name: value for name, value in fields.items() if name != "hits"}
+    hits = fields["hits"]
+    return Player(**plain, ball_ball_hits=hits["ball_ball"], ball_wall_hits=hits["ball_wall"])
 
 
 def _rows(array: cbor2.CBORTag, columns: int, balls: int) -> NDArray[np.float64]:

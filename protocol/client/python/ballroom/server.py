@@ -12,6 +12,7 @@ import zenoh
 from numpy.typing import NDArray
 
 from ballroom import frames
+from ballroom.driver import Driver
 from ballroom.errors import (
     BallroomError,
     FrameError,
@@ -21,7 +22,7 @@ from ballroom.errors import (
     RefusedError,
 )
 from ballroom.feeds import Hits, States
-from ballroom.frames import Ball, Parameter, Reply, State, World
+from ballroom.frames import Ball, Parameter, Player, Reply, State, World
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 """Where `ballroom serve` listens first."""
@@ -312,6 +313,34 @@ class Server:
         """
         where = direction if isinstance(direction, str) else [float(x) for x in direction]
         return self._command("steer", ball=ball, direction=where, mode=mode)
+
+    def claim(self, ball: str | None = None, player: str = "python") -> Driver:
+        """A ball of one's own, until it is released: `with server.claim("red") as red: red.drive("up")`.
+
+        `None` is the first free one of the players' balls. Who says nothing for two seconds loses it; the driver says
+        something on a thread of its own.
+        """
+        given = {"player": player} if ball is None else {"player": player, "ball": ball}
+        answer = json.loads(self._ask("claim", json.dumps(given).encode()))
+        if not answer["ok"]:
+            raise RefusedError("claim", answer["error"], answer.get("code"))
+        return Driver(self, answer)
+
+    def release(self, player: str, token: str) -> Reply:
+        """Takes a claimed ball back from its player; `Driver.release` does it."""
+        answer = json.loads(self._ask("release", json.dumps({"player": player, "token": token}).encode()))
+        if not answer["ok"]:
+            raise RefusedError("release", answer["error"], answer.get("code"))
+        return Reply(tick=answer["tick"], epoch=answer["epoch"])
+
+    def players(self) -> dict[str, Player]:
+        """Who drives which ball."""
+        return {row["player"]: frames.player(row) for row in self._ask_json("players")["players"]}
+
+    @property
+    def session(self) -> zenoh.Session:
+        """The session underneath."""
+        return self._session
 
     def _open(self, deadline: float) -> zenoh.Session:
         config = zenoh.Config()

@@ -1,4 +1,4 @@
-//! The terminal: raw mode with one status line at the bottom, log lines above it, and back to normal at every end.
+//! The terminal: raw mode with a few lines at the bottom, log lines above them, and back to normal at every end.
 
 use crossterm::event::{
     DisableFocusChange, EnableFocusChange, KeyboardEnhancementFlags, PopKeyboardEnhancementFlags,
@@ -10,12 +10,16 @@ use std::io::{self, IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The one screen of this process: log lines may come from any thread at any time.
-static SCREEN: Mutex<Screen> = Mutex::new(Screen { raw: false, releases: false, status: String::new() });
+static SCREEN: Mutex<Screen> =
+    Mutex::new(Screen { raw: false, releases: false, lines: Vec::new(), drawn: 0 });
 
 struct Screen {
     raw: bool,
     releases: bool,
-    status: String,
+    /// What is shown at the bottom.
+    lines: Vec<String>,
+    /// How many lines of that stand there now.
+    drawn: u16,
 }
 
 /// Raw mode while this lives.
@@ -62,15 +66,31 @@ impl RawMode {
     /// Shows a status line in place of the last one, cut to the terminal's width. The tail is shown if all of it
     /// fits: half an address is none.
     pub fn show(&self, status: &str, tail: &str) -> io::Result<()> {
-        let width = terminal::size().map_or(80, |(columns, _)| usize::from(columns));
-        let mut screen = lock();
+        let (width, _) = size();
         // A line as wide as the terminal wraps on some.
-        screen.status = status.chars().take(width.saturating_sub(1)).collect();
-        if screen.status.chars().count() + tail.chars().count() < width {
-            screen.status.push_str(tail);
+        let mut line: String = status.chars().take(width.saturating_sub(1)).collect();
+        if line.chars().count() + tail.chars().count() < width {
+            line.push_str(tail);
         }
+        let mut screen = lock();
+        screen.lines = vec![line];
         screen.draw(b"")
     }
+
+    /// Shows lines in place of the last ones, cut to the terminal.
+    pub fn show_lines(&self, lines: &[String]) -> io::Result<()> {
+        let (width, height) = size();
+        let cut = |line: &String| line.chars().take(width.saturating_sub(1)).collect();
+        let mut screen = lock();
+        screen.lines = lines.iter().take(height.saturating_sub(1)).map(cut).collect();
+        screen.draw(b"")
+    }
+}
+
+/// Columns and rows; some terminals say that they have none.
+fn size() -> (usize, usize) {
+    let known = terminal::size().ok().filter(|(columns, rows)| *columns > 0 && *rows > 0);
+    known.map_or((80, 24), |(columns, rows)| (columns.into(), rows.into()))
 }
 
 impl Drop for RawMode {
@@ -89,19 +109,19 @@ pub fn restore() {
     if screen.releases && !cfg!(windows) {
         execute!(out, PopKeyboardEnhancementFlags).ok();
     }
-    // The last status stays as the last line.
+    // The last lines stay.
     execute!(out, DisableFocusChange, cursor::Show).ok();
     terminal::disable_raw_mode().ok();
     writeln!(out).ok();
 }
 
-/// Writes log lines above the status line, or plainly while there is none.
+/// Writes log lines above what is shown, or plainly while nothing is.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LogLines;
 
 impl Write for LogLines {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let screen = lock();
+        let mut screen = lock();
         if screen.raw {
             screen.draw(bytes)?;
         } else {
@@ -116,16 +136,20 @@ impl Write for LogLines {
 }
 
 impl Screen {
-    /// Draws whole lines of text, then the status line under them, in one write.
-    fn draw(&self, lines: &[u8]) -> io::Result<()> {
-        let mut frame = Vec::with_capacity(lines.len() + self.status.len() + 16);
-        queue!(frame, cursor::MoveToColumn(0), Clear(ClearType::CurrentLine))?;
+    /// Draws whole lines of text, then what is shown under them, in one write.
+    fn draw(&mut self, lines: &[u8]) -> io::Result<()> {
+        let mut frame = Vec::new();
+        if self.drawn > 1 {
+            queue!(frame, cursor::MoveUp(self.drawn - 1))?;
+        }
+        queue!(frame, cursor::MoveToColumn(0), Clear(ClearType::FromCursorDown))?;
         // Raw mode does not return the carriage by itself.
         for line in lines.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()) {
             frame.extend_from_slice(line);
             frame.extend_from_slice(b"\r\n");
         }
-        frame.extend_from_slice(self.status.as_bytes());
+        frame.extend_from_slice(self.lines.join("\r\n").as_bytes());
+        self.drawn = self.lines.len() as u16;
         let mut out = io::stderr().lock();
         out.write_all(&frame)?;
         out.flush()
