@@ -6,6 +6,7 @@
 
 use crate::codec::{MAX_BALL_NAME_BYTES, MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
 pub use crate::reply::{Refusal, Reply, code};
+pub use crate::state::RunState;
 use serde::{Deserialize, Serialize};
 
 /// A request. In JSON: `{"cmd":"steer","direction":"up"}`, `{"cmd":"pause"}`, `{"cmd":"step","ticks":5}`.
@@ -56,6 +57,11 @@ pub enum Command {
     SetBalls {
         /// Which, 1 to 1024 of them.
         balls: Vec<BallSetting>,
+    },
+    /// Set what the clock does, in the words of ROS `simulation_interfaces`.
+    SetState {
+        /// `stopped` pauses and resets everything, `quitting` ends this arena.
+        state: RunState,
     },
     /// Go on with another scene; a new epoch.
     LoadScene {
@@ -145,6 +151,13 @@ pub const SPEED_FACTORS: [f64; 2] = [0.01, 100.0];
 #[error("{0}")]
 pub struct CommandFault(String);
 
+impl CommandFault {
+    /// With its text.
+    pub(crate) fn new(why: impl Into<String>) -> Self {
+        Self(why.into())
+    }
+}
+
 /// The short form of steering.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -196,7 +209,13 @@ impl Command {
     /// Whether something has to be made ready before a tick can obey it. What is made ready acts in its own order; other
     /// commands overtake it.
     pub const fn needs_preparing(&self) -> bool {
-        matches!(self, Self::SetBalls { .. } | Self::LoadScene { .. } | Self::Reset { .. })
+        matches!(
+            self,
+            Self::SetBalls { .. }
+                | Self::LoadScene { .. }
+                | Self::Reset { .. }
+                | Self::SetState { state: RunState::Stopped }
+        )
     }
 
     /// Whether its numbers make sense.
@@ -360,6 +379,8 @@ mod tests {
                     spin_rad_per_s: Some(-3.0),
                 }],
             },
+            Command::SetState { state: RunState::Stopped },
+            Command::SetState { state: RunState::Quitting },
             Command::LoadScene { name: Some("bowl".into()), toml: None },
             Command::LoadScene { name: None, toml: Some("version = 1".into()) },
         ];
@@ -406,6 +427,8 @@ mod tests {
             r#"{"cmd":"set_balls","balls":[{"name":"a","center_m":[0,0,0]}]}"#,
             r#"{"cmd":"set_balls","balls":[{"name":"a","center_m":[0,1e7]}]}"#,
             r#"{"cmd":"load_scene"}"#,
+            r#"{"cmd":"set_state"}"#,
+            r#"{"cmd":"set_state","state":"no_world"}"#,
             r#"{"cmd":"load_scene","name":"bowl","toml":""}"#,
             r#"{"cmd":"steer","direction":[1,1]}"#,
             r#"{"cmd":"steer","direction":[1e308,1e308]}"#,

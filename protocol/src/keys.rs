@@ -15,10 +15,14 @@
 //! | `srv/balls` | anyone, asked | some or all [`Balls`](crate::listing::Balls): `?name=a;name=b`, `?player=true`, `?within=x0,y0,x1,y1`, JSON |
 //! | `srv/features` | anyone, asked | [`Features`](crate::listing::Features): what is supported, with limits, JSON |
 //! | `srv/scenes` | anyone, asked | [`Scenes`](crate::listing::Scenes) that come with the program, JSON |
+//! | `srv/state` | anyone, asked | the [`State`](crate::state::State) of the clock, JSON |
 //! | `alive/<role>/<id>` | each for itself | a liveliness token while it lives |
+//!
+//! What a process with several arenas is asked has keys of its own: [`arenas`](crate::arenas).
 //!
 //! The chunk `v1` changes when old and new can no longer understand each other.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
@@ -29,7 +33,8 @@ pub const MAX_NAME_BYTES: usize = 32;
 pub const DEFAULT_ARENA: &str = "main";
 
 /// A chunk of a key: 1 to 32 of `a-z`, `0-9`, `_` and `-`, so that no name can smuggle in a wildcard or a slash.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Name(String);
 
 /// Why a text is no [`Name`].
@@ -57,6 +62,20 @@ impl FromStr for Name {
         } else {
             Err(BadName { given: text.chars().take(64).collect() })
         }
+    }
+}
+
+impl TryFrom<String> for Name {
+    type Error = BadName;
+
+    fn try_from(text: String) -> Result<Self, BadName> {
+        text.parse()
+    }
+}
+
+impl From<Name> for String {
+    fn from(name: Name) -> Self {
+        name.0
     }
 }
 
@@ -172,6 +191,11 @@ impl Keys {
     /// The scenes that come with the program.
     pub fn srv_scenes(&self) -> String {
         self.under("srv/scenes")
+    }
+
+    /// What the clock does.
+    pub fn srv_state(&self) -> String {
+        self.under("srv/state")
     }
 
     /// One token.

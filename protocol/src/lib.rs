@@ -8,12 +8,15 @@
 //! | [`reply`] | done at which tick, or why not, with a code |
 //! | [`snapshot`] | the state of all balls at a tick |
 //! | [`event`] | one hit, with time, place and impulse |
+//! | [`state`] | whether the clock runs |
+//! | [`arenas`] | several arenas in one process |
 //! | [`stats`] | what the server says of itself once a second |
 //! | [`info`] | frames, units and versions, for whoever asks |
 //! | [`listing`] | lists for whoever asks: balls, scenes, features |
 //! | [`keys`] | the names under which all this travels |
 //! | [`codec`] | bytes to values and back; every limit on size stands there |
 
+pub mod arenas;
 pub mod codec;
 pub mod command;
 pub mod event;
@@ -24,4 +27,5 @@ pub mod reply;
 pub mod scene;
 pub mod scene_text;
 pub mod snapshot;
+pub mod state;
 pub mod stats;

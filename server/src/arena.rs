@@ -2,21 +2,20 @@
 
 use crate::handover::Handover;
 use crate::inbox::Inbox;
-use crate::network::{self, NetworkError};
+use crate::network::{Latest, Link, Network, NetworkError};
 use crate::recording::{RecordOptions, Recorder, RecordingError, Tape};
 use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
 use crate::tick_loop::TickLoop;
 use ballroom_client::Setting;
+pub use protocol::arenas::TICK_RATES_HZ;
 use protocol::keys::{DEFAULT_ARENA, Name};
+use protocol::state::RunState;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::SystemTime;
-
-/// Ticks a simulated second that an arena may have.
-pub const TICK_RATES_HZ: std::ops::RangeInclusive<u32> = 1..=1000;
 
 /// How to run an arena.
 #[derive(Clone, Debug)]
@@ -27,6 +26,15 @@ pub struct ArenaOptions {
     pub tick_rate_hz: u32,
     /// Whether to begin with the clock standing.
     pub paused: bool,
+    /// What to record, if anything.
+    pub record: Option<RecordOptions>,
+    /// Where it can be reached, unless it shares the session of other arenas.
+    pub network: NetworkOptions,
+}
+
+/// Where the arenas of a process can be reached.
+#[derive(Clone, Debug, Default)]
+pub struct NetworkOptions {
     /// Endpoints to listen on; with none, loopback at 7447 or the next free port.
     pub listen: Vec<String>,
     /// Routers to connect to.
@@ -35,8 +43,6 @@ pub struct ArenaOptions {
     pub config: Option<PathBuf>,
     /// Single settings of Zenoh, applied last.
     pub settings: Vec<Setting>,
-    /// What to record, if anything.
-    pub record: Option<RecordOptions>,
 }
 
 impl Default for ArenaOptions {
@@ -45,11 +51,8 @@ impl Default for ArenaOptions {
             arena: DEFAULT_ARENA.parse().expect("a valid name"),
             tick_rate_hz: 60,
             paused: false,
-            listen: Vec::new(),
-            connect: Vec::new(),
-            config: None,
-            settings: Vec::new(),
             record: None,
+            network: NetworkOptions::default(),
         }
     }
 }
@@ -69,6 +72,9 @@ pub enum ArenaError {
     /// The rate is out of its range.
     #[error("a tick rate of {0} Hz is out of range: use 1 to 1000")]
     Rate(u32),
+    /// There is no place of that name.
+    #[error("{0}")]
+    Name(String),
     /// No thread could be started.
     #[error("no thread could be started: {0}")]
     Thread(#[from] std::io::Error),
@@ -78,17 +84,38 @@ pub enum ArenaError {
 pub struct Arena;
 
 impl Arena {
-    /// Loads the scene, opens the session, and starts ticking.
+    /// Loads the scene, opens a session of its own, and starts ticking.
     pub fn start(scene: &SceneText, options: &ArenaOptions) -> Result<ArenaHandle, ArenaError> {
+        let simulation = Self::set_up(scene, options)?;
+        let link = Link::open(&options.network)?;
+        let mut handle = Self::run(simulation, options, &link)?;
+        handle.own_link = Some(link);
+        Ok(handle)
+    }
+
+    /// Loads the scene and starts ticking on a session that others share.
+    pub(crate) fn start_on(
+        link: &Link,
+        scene: &SceneText,
+        options: &ArenaOptions,
+    ) -> Result<ArenaHandle, ArenaError> {
+        Self::run(Self::set_up(scene, options)?, options, link)
+    }
+
+    fn set_up(scene: &SceneText, options: &ArenaOptions) -> Result<Simulation, ArenaError> {
         if !TICK_RATES_HZ.contains(&options.tick_rate_hz) {
             return Err(ArenaError::Rate(options.tick_rate_hz));
         }
-        let simulation = Simulation::new(Arc::new(scene.load()?), options.tick_rate_hz, first_epoch())?;
+        Ok(Simulation::new(Arc::new(scene.load()?), options.tick_rate_hz, first_epoch())?)
+    }
+
+    fn run(simulation: Simulation, options: &ArenaOptions, link: &Link) -> Result<ArenaHandle, ArenaError> {
         let inbox = Arc::new(Inbox::default());
         let handover = Arc::new(Handover::new());
+        handover.set_run_state(if options.paused { RunState::Paused } else { RunState::Playing });
         let stop = Arc::new(AtomicBool::new(false));
-        let network = network::Network::open(options, &simulation, &inbox, handover.clone())?;
-        let endpoints = network.endpoints().to_vec();
+        let network = Network::open(link, options, &simulation, &inbox, handover.clone())?;
+        let latest = network.latest().clone();
         let (tape, recorder) = match &options.record {
             Some(record) => {
                 let (recorder, tape) = Recorder::create(record, &simulation)?;
@@ -103,7 +130,14 @@ impl Arena {
             std::thread::Builder::new().name("tick".into()).spawn(move || tick_loop.run())?,
             std::thread::Builder::new().name("publish".into()).spawn(move || network.run())?,
         ];
-        Ok(ArenaHandle { endpoints, stop, threads, recorder })
+        Ok(ArenaHandle {
+            endpoints: link.endpoints().to_vec(),
+            stop,
+            threads,
+            recorder,
+            latest,
+            own_link: None,
+        })
     }
 }
 
@@ -119,6 +153,9 @@ pub struct ArenaHandle {
     threads: Vec<JoinHandle<()>>,
     /// Apart: a recording that ends early does not end the arena.
     recorder: Option<JoinHandle<()>>,
+    latest: Arc<Latest>,
+    /// The session, if no other arena uses it.
+    own_link: Option<Link>,
 }
 
 impl ArenaHandle {
@@ -130,6 +167,17 @@ impl ArenaHandle {
     /// All endpoints listened on.
     pub fn endpoints(&self) -> &[String] {
         &self.endpoints
+    }
+
+    /// What questions about it are answered from.
+    pub(crate) const fn latest(&self) -> &Arc<Latest> {
+        &self.latest
+    }
+
+    /// Has one of its threads end as by a fault.
+    #[cfg(test)]
+    pub(crate) fn break_down(&mut self) {
+        self.threads.push(std::thread::spawn(|| panic!("broken on purpose")));
     }
 
     /// Asks it to stop.
@@ -150,11 +198,16 @@ impl ArenaHandle {
     fn finish(&mut self) -> bool {
         self.stop();
         // Not short-circuiting: every thread is waited for.
-        self.threads
+        let well = self
+            .threads
             .drain(..)
             .chain(self.recorder.take())
             .map(JoinHandle::join)
-            .fold(true, |well, ended| well & ended.is_ok())
+            .fold(true, |well, ended| well & ended.is_ok());
+        if let Some(link) = self.own_link.take() {
+            link.close();
+        }
+        well
     }
 }
 

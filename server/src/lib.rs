@@ -19,8 +19,10 @@
 //! | [`recording`] | what a run was given and what became of it, in a file; and the run again |
 //! | `network` | the only place that names Zenoh |
 //! | [`arena`] | all of it together |
+//! | [`arenas`] | several of them in one process |
 
 pub mod arena;
+pub mod arenas;
 pub mod checkpoint_file;
 pub mod features;
 pub mod handover;
@@ -34,6 +36,7 @@ pub mod simulation;
 pub mod tick_loop;
 pub mod workshop;
 
-pub use arena::{Arena, ArenaError, ArenaHandle, ArenaOptions};
+pub use arena::{Arena, ArenaError, ArenaHandle, ArenaOptions, NetworkOptions};
+pub use arenas::Arenas;
 pub use network::NetworkError;
 pub use scene_file::{LoadedScene, SceneError, SceneText};

@@ -6,7 +6,7 @@ use crate::meter::Meter;
 use crate::recording::Tape;
 use crate::simulation::{NumberedHit, Simulation};
 use crate::workshop::Ready;
-use protocol::command::{Command, MAX_RUN_TICKS, Refusal, Reply, SpeedFactor, code};
+use protocol::command::{Command, MAX_RUN_TICKS, Refusal, Reply, RunState, Scope, SpeedFactor, code};
 use protocol::stats::Stats;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,6 +25,7 @@ pub struct TickLoop {
     handover: Arc<Handover>,
     stop: Arc<AtomicBool>,
     paused: bool,
+    state: RunState,
     speed_factor: f64,
     as_fast_as_possible: bool,
     /// When the next tick is due, while the clock runs.
@@ -60,6 +61,7 @@ impl TickLoop {
             handover,
             stop,
             paused,
+            state: if paused { RunState::Paused } else { RunState::Playing },
             speed_factor: 1.0,
             as_fast_as_possible: false,
             due: Instant::now(),
@@ -89,6 +91,9 @@ impl TickLoop {
         self.due = Instant::now();
         while !self.stop.load(Ordering::Relaxed) {
             let touched = self.apply_commands();
+            if self.state == RunState::Quitting {
+                break;
+            }
             let now = Instant::now();
             if self.stepping.is_some() {
                 self.make_steps(now + SLICE);
@@ -145,6 +150,9 @@ impl TickLoop {
     }
 
     fn tick(&mut self) {
+        if self.state == RunState::Stopped {
+            self.enter(RunState::Paused);
+        }
         self.simulation.advance();
         self.tape.ticked(&self.simulation, self.paused);
         let epoch = self.simulation.epoch();
@@ -211,16 +219,9 @@ impl TickLoop {
                 let steered = self.simulation.steer(ball.as_deref(), *direction, *mode);
                 steered.map_err(|why| Refusal::new(code::NOT_FOUND, why))
             }
-            Command::Pause {} => {
-                self.interrupt_stepping("paused");
-                self.paused = true;
-                Ok(())
-            }
-            Command::Resume {} => {
-                self.interrupt_stepping("resumed");
-                self.paused = false;
-                Ok(())
-            }
+            Command::Pause {} => self.set_state(RunState::Paused, ready),
+            Command::Resume {} => self.set_state(RunState::Playing, ready),
+            Command::SetState { state } => self.set_state(*state, ready),
             Command::Step { .. } | Command::RunUntil { .. } => match self.last_tick(&command) {
                 Ok(last_tick) => {
                     self.inbox.count_accepted();
@@ -248,6 +249,21 @@ impl TickLoop {
             let reply = self.reply(done);
             self.answers.push(Answered { answer, reply });
         }
+    }
+
+    fn set_state(&mut self, state: RunState, ready: Ready) -> Result<(), Refusal> {
+        self.interrupt_stepping(state.name());
+        self.paused = state != RunState::Playing;
+        if state == RunState::Stopped {
+            self.change_world(&Command::Reset { scope: Scope::All, seed: None }, ready)?;
+        }
+        self.enter(state);
+        Ok(())
+    }
+
+    fn enter(&mut self, state: RunState) {
+        self.state = state;
+        self.handover.set_run_state(state);
     }
 
     /// Where steps that were asked for shall end.

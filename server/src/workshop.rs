@@ -7,7 +7,7 @@ use crate::scene_file::{LoadedScene, SceneError, SceneText};
 use crate::simulation::Simulation;
 use ballroom_physics::Seat;
 use protocol::codec::{self, CodecError};
-use protocol::command::{Command, Refusal, Scope, code};
+use protocol::command::{Command, Refusal, RunState, Scope, code};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 
@@ -59,6 +59,9 @@ impl Bench {
                 code::FEATURE_UNSUPPORTED,
                 "a seed makes other balls: leave the scope out, or the seed",
             )),
+            Command::SetState { state: RunState::Stopped } => {
+                self.prepare(&Command::Reset { scope: Scope::All, seed: None })
+            }
             Command::Reset { scope: Scope::All, seed } if seed.is_some() || self.is_seeded => {
                 let scene = self
                     .loaded

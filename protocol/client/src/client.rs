@@ -3,13 +3,15 @@
 use crate::feed::{Feed, Presences};
 use crate::follow::Follower;
 use crate::options::{ClientOptions, Patience};
+use protocol::arenas::{ArenaCommand, Arenas, COMMAND_KEY, LIST_KEY};
 use protocol::codec::{self, CodecError};
-use protocol::command::{Command, CommandFault, Reply};
+use protocol::command::{Command, CommandFault, Reply, code};
 use protocol::event::Events;
 use protocol::keys::{Keys, Name, Role};
 use protocol::listing::{Balls, Features, Scenes, Selection};
 use protocol::scene::Scene;
 use protocol::snapshot::{Snapshot, World};
+use protocol::state::State;
 use protocol::stats::Stats;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -64,6 +66,8 @@ pub enum ClientError {
         question: String,
         /// In its words.
         why: String,
+        /// One of [`code`](protocol::command::code).
+        code: u16,
     },
     /// The configuration is unusable.
     #[error("Zenoh does not accept {what}: {why}")]
@@ -192,6 +196,29 @@ impl Client {
         Ok(codec::decode_json(&self.ask(&self.keys.srv_scenes())?)?)
     }
 
+    /// What the clock does.
+    pub fn state(&self) -> Result<State, ClientError> {
+        Ok(codec::decode_json(&self.ask(&self.keys.srv_state())?)?)
+    }
+
+    /// The arenas of the server's process.
+    pub fn arenas(&self) -> Result<Arenas, ClientError> {
+        Ok(codec::decode_json(&self.ask(LIST_KEY)?)?)
+    }
+
+    /// Starts or stops an arena of the server's process and waits until that is done. It is sent once.
+    pub fn arena_command(&self, command: &ArenaCommand) -> Result<Reply, ClientError> {
+        command.check()?;
+        // Who answers this is there to be commanded.
+        self.arenas()?;
+        let (answers, inbox) = sync_channel(MAX_ANSWERS);
+        let question = self.session.get(COMMAND_KEY).payload(codec::encode_json(command));
+        let question = question.encoding(Encoding::APPLICATION_JSON).timeout(self.options.timeout);
+        question.callback(move |reply| drop(answers.try_send(reply))).wait()?;
+        let bytes = first_answer(&inbox, COMMAND_KEY, self.options.timeout)?;
+        Ok(codec::decode_json(&bytes.ok_or(ClientError::Lost { question: COMMAND_KEY.into() })?)?)
+    }
+
     /// What the server understands, with limits.
     pub fn features(&self) -> Result<Features, ClientError> {
         Ok(codec::decode_json(&self.ask(&self.keys.srv_features())?)?)
@@ -311,9 +338,12 @@ fn first_answer(
             Ok(sample) => Ok(Some(sample.payload().to_bytes().into_owned())),
             Err(error) => match error.payload().try_to_string() {
                 Ok(why) if why == "Timeout" => Err(no_answer()),
-                why => {
-                    let why = why.map_or_else(|_| "no text".to_owned(), std::borrow::Cow::into_owned);
-                    Err(ClientError::Refused { question: key.to_owned(), why })
+                text => {
+                    let text = text.map_or_else(|_| "no text".to_owned(), std::borrow::Cow::into_owned);
+                    // What Zenoh itself says is no reply of the server.
+                    let (why, code) = codec::decode_json(text.as_bytes())
+                        .map_or((text, code::OPERATION_FAILED), |reply: Reply| (reply.error, reply.code));
+                    Err(ClientError::Refused { question: key.to_owned(), why, code })
                 }
             },
         },

@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand, and what they share.
 
+mod arenas;
 mod ball_count;
 mod balls;
 mod check;
@@ -45,10 +46,12 @@ struct Cli {
 #[derive(Subcommand)]
 enum Subcommands {
     Serve(serve::Serve),
+    Arenas(Box<arenas::Arenas>),
     Check(check::Check),
     Steer(steer::Steer),
     Pause(clock::Pause),
     Resume(clock::Resume),
+    State(clock::State),
     Step(clock::Step),
     RunUntil(clock::RunUntil),
     Reset(clock::Reset),
@@ -76,10 +79,12 @@ pub fn main() -> ExitCode {
         .init();
     let done = match cli.command {
         Subcommands::Serve(serve) => serve.run(),
+        Subcommands::Arenas(arenas) => arenas.run(),
         Subcommands::Check(check) => check.run(),
         Subcommands::Steer(steer) => steer.run(),
         Subcommands::Pause(pause) => pause.run(),
         Subcommands::Resume(resume) => resume.run(),
+        Subcommands::State(state) => state.run(),
         Subcommands::Step(step) => step.run(),
         Subcommands::RunUntil(run) => run.run(),
         Subcommands::Balls(balls) => balls.run(),

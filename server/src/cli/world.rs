@@ -46,22 +46,26 @@ pub struct Features {
 
 impl Load {
     pub fn run(self) -> anyhow::Result<()> {
-        let path = Path::new(&self.scene);
-        let is_file =
-            path.extension().is_some_and(|end| end == "toml") || self.scene.contains(std::path::is_separator);
-        let command = if is_file {
-            let mut toml = String::new();
-            let file =
-                std::fs::File::open(path).with_context(|| format!("{} cannot be opened", self.scene))?;
-            // The server reads no more; one byte beyond shows that there is more.
-            let read = file.take(MAX_REQUEST_BYTES as u64 + 1).read_to_string(&mut toml);
-            read.with_context(|| format!("{} cannot be read", self.scene))?;
-            Command::LoadScene { name: None, toml: Some(toml) }
-        } else {
-            Command::LoadScene { name: Some(self.scene), toml: None }
-        };
+        let (name, toml) = name_or_text(&self.scene)?;
+        let command = Command::LoadScene { name, toml };
         self.asked.command(&command, LONG_TIMEOUT)
     }
+}
+
+/// The name of a scene, or the text of its file, as the server takes them.
+pub fn name_or_text(scene: &str) -> anyhow::Result<(Option<String>, Option<String>)> {
+    let path = Path::new(scene);
+    let is_file =
+        path.extension().is_some_and(|end| end == "toml") || scene.contains(std::path::is_separator);
+    if !is_file {
+        return Ok((Some(scene.to_owned()), None));
+    }
+    let mut toml = String::new();
+    let file = std::fs::File::open(path).with_context(|| format!("{scene} cannot be opened"))?;
+    // The server reads no more; one byte beyond shows that there is more.
+    let read = file.take(MAX_REQUEST_BYTES as u64 + 1).read_to_string(&mut toml);
+    read.with_context(|| format!("{scene} cannot be read"))?;
+    Ok((None, Some(toml)))
 }
 
 impl Scenes {

@@ -28,7 +28,7 @@ impl Services {
     pub fn declare(
         session: &Session,
         keys: &Keys,
-        answers: &Answers,
+        answers: &Answers<Answer>,
         inbox: &Arc<Inbox>,
         workshop: Workshop,
     ) -> Result<Self, NetworkError> {
@@ -42,11 +42,10 @@ impl Services {
         let mut declare = |key: String, make: fn(&Query) -> Result<Answer, String>| {
             let gate = gate.clone();
             let declared = session.declare_queryable(key).callback(move |query| {
-                let answer = gate.spend(&Source::Questions).map_err(|refusal| refusal.why).and_then(|()| {
-                    let answer = make(&query);
-                    answer.inspect_err(|_| gate.inbox.count_refused())
-                });
-                gate.give(query, answer.unwrap_or_else(Answer::Fault));
+                let answer = gate
+                    .spend(&Source::Questions)
+                    .and_then(|()| make(&query).map_err(|why| gate.refuse(code::MALFORMED, why)));
+                gate.answers.give(query, answer.unwrap_or_else(Answer::Fault));
             });
             declared.wait().map(|queryable| queryables.push(queryable))
         };
@@ -54,6 +53,7 @@ impl Services {
         declare(keys.srv_scene(), |_| Ok(Answer::Scene))?;
         declare(keys.srv_stats(), |_| Ok(Answer::Stats))?;
         declare(keys.srv_info(), |_| Ok(Answer::Info))?;
+        declare(keys.srv_state(), |_| Ok(Answer::State))?;
         declare(keys.srv_features(), |_| Ok(Answer::Features))?;
         declare(keys.srv_scenes(), |_| Ok(Answer::Scenes))?;
         declare(keys.srv_balls(), |query| Selection::parse(query.parameters().as_str()).map(Answer::Balls))?;
@@ -76,7 +76,7 @@ fn commands(session: &Session, key: &str, gate: Arc<Gate>) -> Result<Queryable<(
         let text = query.payload().map(|payload| payload.to_bytes().into_owned()).unwrap_or_default();
         let way_back = gate.clone();
         let answer: crate::inbox::Answer =
-            Box::new(move |reply| way_back.give(query, Answer::Reply(reply.clone())));
+            Box::new(move |reply| way_back.answers.give(query, Answer::Reply(reply.clone())));
         if let Err((Some(answer), why)) = gate.pass(text, &Source::Commands, MAX_REQUEST_BYTES, Some(answer))
         {
             answer(&why.into());
@@ -110,7 +110,7 @@ type Unpassed = (Option<crate::inbox::Answer>, Refusal);
 struct Gate {
     inbox: Arc<Inbox>,
     budget: Mutex<Budget>,
-    answers: Answers,
+    answers: Answers<Answer>,
     workshop: Workshop,
 }
 
@@ -169,11 +169,5 @@ impl Gate {
             self.inbox.count_refused();
             (answer, why)
         })
-    }
-
-    fn give(&self, query: Query, answer: Answer) {
-        if !self.answers.give(query, answer) {
-            tracing::debug!("a question stays unanswered: too many answers wait to be sent");
-        }
     }
 }

@@ -5,7 +5,7 @@ use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
 use crate::workshop::{Bench, Ready};
 use protocol::codec;
-use protocol::command::Command;
+use protocol::command::{Command, RunState, Scope};
 use protocol::snapshot::Snapshot;
 use serde::Serialize;
 use std::io::Read;
@@ -226,6 +226,7 @@ pub(super) fn obey(simulation: &mut Simulation, bench: &mut Bench, command: &Com
             simulation.steer(ball.as_deref(), *direction, *mode)?;
         }
         (Ready::Nothing, Command::Reset { scope, .. }) => simulation.reset(*scope),
+        (Ready::Nothing, Command::SetState { state: RunState::Stopped }) => simulation.reset(Scope::All),
         (Ready::Nothing, _) => {}
     }
     if let Some(next) = next {

@@ -1,5 +1,6 @@
 //! What the program promises the shell: output, exit codes, refusals, and over a session what each verb does.
 
+mod arenas;
 mod check;
 mod control;
 mod hardcases;

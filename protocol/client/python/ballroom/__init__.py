@@ -19,7 +19,7 @@ from ballroom.errors import (
 from ballroom.feeds import Hits, States
 from ballroom.frames import Ball, Hit, Reply, Roster, State, World
 from ballroom.launch import launch
-from ballroom.server import BallSetting, Direction, Scope, Server, connect
+from ballroom.server import BallSetting, Direction, RunState, Scope, Server, connect
 
 __all__ = [
     "Ball",
@@ -36,6 +36,7 @@ __all__ = [
     "RefusedError",
     "Reply",
     "Roster",
+    "RunState",
     "Scope",
     "Server",
     "State",

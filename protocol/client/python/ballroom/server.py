@@ -29,6 +29,9 @@ DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 Direction: TypeAlias = Literal["up", "down", "left", "right", "stop"] | Sequence[float]
 """A name (up is +y), or x and y of length at most 1."""
 
+RunState: TypeAlias = Literal["stopped", "playing", "paused", "quitting"]
+"""What the clock of an arena does, in the words of ROS `simulation_interfaces`."""
+
 Scope: TypeAlias = Literal["all", "time", "state", "spawned"]
 """What a reset takes back."""
 
@@ -47,6 +50,8 @@ class BallSetting(TypedDict, total=False):
 _LOOK_AGAIN_S = 0.05
 _AS_LONG_AS_IT_LIVES_S = 1e6
 _TOO_MANY = 101
+_ARENA_COMMAND = "ballroom/v1/@arenas/command"
+_ARENA_LIST = "ballroom/v1/@arenas/list"
 
 
 class Server:
@@ -138,6 +143,43 @@ class Server:
         """Lets the clock run."""
         return self._command("resume")
 
+    def run_state(self) -> RunState:
+        """What the clock does."""
+        state: RunState = self._ask_json("state")["state"]
+        return state
+
+    def set_state(self, state: RunState) -> Reply:
+        """Sets what the clock does: `stopped` pauses and resets everything, `quitting` ends this arena."""
+        return self._command("set_state", state=state, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def arenas(self) -> dict[str, dict[str, Any]]:
+        """The arenas of the server's process by name: scene, state, tick, rate, number of balls."""
+        return {row["arena"]: row for row in json.loads(self._ask(_ARENA_LIST))["arenas"]}
+
+    def start_arena(  # noqa: PLR0913
+        self,
+        arena: str,
+        scene: str | None = None,
+        *,
+        toml: str | None = None,
+        balls: int | None = None,
+        tick_rate_hz: int = 60,
+        paused: bool = False,
+        record: bool = False,
+    ) -> Server:
+        """Runs one more arena in the server's process and gives a session with it, to be closed by whoever asked.
+
+        The scene is one of `scenes()` by name, or the text of a scene file. It ends with `stop_arena`, not with the
+        session.
+        """
+        fields = {"arena": arena, "scene": scene, "toml": toml, "balls": balls, "tick_rate_hz": tick_rate_hz}
+        self._command("start", _AS_LONG_AS_IT_LIVES_S, _ARENA_COMMAND, **fields, paused=paused, record=record)
+        return Server(self.endpoint, arena, self.timeout_s)
+
+    def stop_arena(self, arena: str) -> Reply:
+        """Ends an arena of the server's process; with its last the process ends."""
+        return self._command("stop", _AS_LONG_AS_IT_LIVES_S, _ARENA_COMMAND, arena=arena)
+
     def step(self, ticks: int = 1) -> State:
         """Advances a paused arena and gives the state of exactly that tick."""
         return self._state_at(self._command("step", ticks=ticks, timeout_s=_AS_LONG_AS_IT_LIVES_S))
@@ -224,20 +266,21 @@ class Server:
                 self._slow_down(refused, deadline)
 
     def _ask_once(self, question: str, payload: bytes | None, timeout_s: float) -> bytes:
+        question = question if question in (_ARENA_COMMAND, _ARENA_LIST) else f"{self._prefix}/srv/{question}"
         try:
-            replies = self._session.get(f"{self._prefix}/srv/{question}", payload=payload, timeout=timeout_s)
+            replies = self._session.get(question, payload=payload, timeout=timeout_s)
         except zenoh.ZError as why:
-            raise BallroomError(f"srv/{question} cannot be asked: {why}") from why
+            raise BallroomError(f"{question} cannot be asked: {why}") from why
         for reply in replies:
             if reply.ok is not None:
                 answer: bytes = reply.ok.payload.to_bytes()
                 return answer
             why_not = reply.err.payload.to_string() if reply.err is not None else "no reason given"
             if why_not == "Timeout":
-                raise NoAnswerError(f"{self.endpoint} did not answer srv/{question} within {timeout_s:g} s")
-            raise RefusedError(f"srv/{question}", why_not)
+                raise NoAnswerError(f"{self.endpoint} did not answer {question} within {timeout_s:g} s")
+            raise _refusal(question, why_not)
         raise NoServerError(
-            f"srv/{question} stays unanswered: the server at {self.endpoint} went away, or has more to answer "
+            f"{question} stays unanswered: the server at {self.endpoint} went away, or has more to answer "
             "than it can hold; whether it was obeyed is unknown"
         )
 
@@ -247,12 +290,14 @@ class Server:
             raise FrameError(f"srv/{question} answered no JSON object")
         return answer
 
-    def _command(self, verb: str, timeout_s: float | None = None, **fields: object) -> Reply:
+    def _command(
+        self, verb: str, timeout_s: float | None = None, question: str = "command", **fields: object
+    ) -> Reply:
         given = {name: value for name, value in fields.items() if value is not None}
         line = json.dumps({"cmd": verb, **given}).encode()
         deadline = time.monotonic() + self.timeout_s
         while True:
-            reply = json.loads(self._ask("command", line, timeout_s))
+            reply = json.loads(self._ask(question, line, timeout_s))
             if reply["ok"]:
                 return Reply(tick=reply["tick"], epoch=reply["epoch"])
             self._slow_down(RefusedError(verb, reply["error"], reply.get("code")), deadline)
@@ -260,8 +305,7 @@ class Server:
     @staticmethod
     def _slow_down(refused: RefusedError, deadline: float) -> None:
         """Sleeps when it was only too fast, for then nothing was done; raises any other refusal."""
-        too_fast = refused.code == _TOO_MANY or refused.reason.startswith("too many questions")
-        if not too_fast or time.monotonic() > deadline:
+        if refused.code != _TOO_MANY or time.monotonic() > deadline:
             raise refused
         time.sleep(_LOOK_AGAIN_S)
 
@@ -278,6 +322,15 @@ class Server:
 def connect(endpoint: str | None = None, arena: str = "main", timeout_s: float = 5.0) -> Server:
     """A session with a running server, waiting at most `timeout_s` for it, and as long for each answer."""
     return Server(endpoint, arena, timeout_s)
+
+
+def _refusal(question: str, why_not: str) -> RefusedError:
+    """Why a question was not answered; what Zenoh itself says is no reply of the server."""
+    try:
+        reply = json.loads(why_not)
+        return RefusedError(question, reply["error"], reply["code"])
+    except (ValueError, TypeError, KeyError):
+        return RefusedError(question, why_not)
 
 
 def _plain(value: object) -> object:
