@@ -4,7 +4,7 @@
 //! just put ([`Command::max_bytes`]). For a hand at the keyboard there is a short form of steering:
 //! `{"key":"up"}` is one press, `{"key":"up","down":true}` a key held, `{"key":"up","down":false}` the key let go.
 
-use crate::codec::{MAX_BALL_NAME_BYTES, MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
+use crate::codec::{MAX_BALL_NAME_BYTES, MAX_BALLS, MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
 pub use crate::reply::{Refusal, Reply, code};
 pub use crate::state::RunState;
 use serde::{Deserialize, Serialize};
@@ -71,7 +71,12 @@ pub enum Command {
         /// A scene as it stands in a file.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         toml: Option<String>,
+        /// Balls in all, for a scene with one cloud; as it says when absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        balls: Option<u32>,
     },
+    /// Read again the file or the scene that the arena was started with; a new epoch.
+    ReloadScene {},
 }
 
 /// What a reset takes back, in the words of ROS `simulation_interfaces`.
@@ -213,6 +218,7 @@ impl Command {
             self,
             Self::SetBalls { .. }
                 | Self::LoadScene { .. }
+                | Self::ReloadScene {}
                 | Self::Reset { .. }
                 | Self::SetState { state: RunState::Stopped }
         )
@@ -242,7 +248,10 @@ impl Command {
                 fault(format!("{} balls are set at once: use 1 to {MAX_SET_BALLS}", balls.len()))
             }
             Self::SetBalls { balls } => balls.iter().try_for_each(BallSetting::check),
-            Self::LoadScene { name, toml } if name.is_some() == toml.is_some() => {
+            Self::LoadScene { balls: Some(balls), .. } if *balls as usize > MAX_BALLS => {
+                fault(format!("{balls} balls are too many: at most {MAX_BALLS}"))
+            }
+            Self::LoadScene { name, toml, .. } if name.is_some() == toml.is_some() => {
                 fault("give either the name of a scene or its toml".into())
             }
             _ => Ok(()),
@@ -381,8 +390,9 @@ mod tests {
             },
             Command::SetState { state: RunState::Stopped },
             Command::SetState { state: RunState::Quitting },
-            Command::LoadScene { name: Some("bowl".into()), toml: None },
-            Command::LoadScene { name: None, toml: Some("version = 1".into()) },
+            Command::LoadScene { name: Some("bowl".into()), toml: None, balls: Some(40) },
+            Command::LoadScene { name: None, toml: Some("version = 1".into()), balls: None },
+            Command::ReloadScene {},
         ];
         for command in all {
             let text = serde_json::to_string(&command).unwrap();
@@ -427,6 +437,8 @@ mod tests {
             r#"{"cmd":"set_balls","balls":[{"name":"a","center_m":[0,0,0]}]}"#,
             r#"{"cmd":"set_balls","balls":[{"name":"a","center_m":[0,1e7]}]}"#,
             r#"{"cmd":"load_scene"}"#,
+            r#"{"cmd":"load_scene","name":"gas","balls":100001}"#,
+            r#"{"cmd":"reload_scene","name":"bowl"}"#,
             r#"{"cmd":"set_state"}"#,
             r#"{"cmd":"set_state","state":"no_world"}"#,
             r#"{"cmd":"load_scene","name":"bowl","toml":""}"#,

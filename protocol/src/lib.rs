@@ -10,6 +10,8 @@
 //! | [`event`] | one hit, with time, place and impulse |
 //! | [`state`] | whether the clock runs |
 //! | [`arenas`] | several arenas in one process |
+//! | [`check`] | whether a scene could be run |
+//! | [`report`] | how states reach those who read them |
 //! | [`stats`] | what the server says of itself once a second |
 //! | [`info`] | frames, units and versions, for whoever asks |
 //! | [`listing`] | lists for whoever asks: balls, scenes, features |
@@ -17,6 +19,7 @@
 //! | [`codec`] | bytes to values and back; every limit on size stands there |
 
 pub mod arenas;
+pub mod check;
 pub mod codec;
 pub mod command;
 pub mod event;
@@ -24,6 +27,7 @@ pub mod info;
 pub mod keys;
 pub mod listing;
 pub mod reply;
+pub mod report;
 pub mod scene;
 pub mod scene_text;
 pub mod snapshot;

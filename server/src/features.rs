@@ -1,12 +1,37 @@
 //! What an arena understands, with limits, and the scenes that come with it.
 
 use crate::arena::TICK_RATES_HZ;
+use crate::arenas::MAX_RECORDINGS;
+use crate::checker::MAX_CHECKS;
 use crate::inbox::INBOX_CAPACITY;
 use crate::scene_file::{SceneText, built_in_names};
 use crate::workshop::MAX_JOBS;
+use protocol::arenas::MAX_ARENAS;
 use protocol::codec::{MAX_BALLS, MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
 use protocol::command::{MAX_RUN_TICKS, MAX_SET_BALLS, MAX_STEP_TICKS, SPEED_FACTORS};
 use protocol::listing::{Features, MAX_ROWS, SceneEntry, Scenes};
+use protocol::report::{MAX_READERS, MAX_REPORT_BYTES};
+
+/// Features of ROS `simulation_interfaces`: name, number, and the command or question by which a bridge offers it.
+const ROS: [(&str, u8, &str); 17] = [
+    ("SPAWNING", 0, "spawn"),
+    ("DELETING", 1, "delete"),
+    ("ENTITY_BOUNDS", 5, "balls"),
+    ("ENTITY_STATE_GETTING", 10, "balls"),
+    ("ENTITY_STATE_SETTING", 11, "set_balls"),
+    ("SIMULATION_RESET", 20, "reset"),
+    ("SIMULATION_RESET_TIME", 21, "reset"),
+    ("SIMULATION_RESET_STATE", 22, "reset"),
+    ("SIMULATION_RESET_SPAWNED", 23, "spawn"),
+    ("SIMULATION_STATE_GETTING", 24, "state"),
+    ("SIMULATION_STATE_SETTING", 25, "set_state"),
+    ("SIMULATION_STATE_PAUSE", 26, "set_state"),
+    ("STEP_SIMULATION_SINGLE", 31, "step"),
+    ("STEP_SIMULATION_MULTIPLE", 32, "step"),
+    ("WORLD_LOADING", 40, "load_scene"),
+    ("WORLD_RESOURCE_STRING", 41, "load_scene"),
+    ("AVAILABLE_WORLDS", 45, "scenes"),
+];
 
 /// What is supported.
 pub fn features() -> Features {
@@ -28,6 +53,7 @@ pub fn features() -> Features {
         ("reset", of(&[jobs, short])),
         ("set_balls", of(&[jobs, long, ("max_balls", MAX_SET_BALLS as f64)])),
         ("load_scene", of(&[jobs, long, ("max_balls", MAX_BALLS as f64)])),
+        ("reload_scene", of(&[jobs, short])),
     ];
     let questions = [
         ("snapshot", of(&[])),
@@ -38,8 +64,23 @@ pub fn features() -> Features {
         ("features", of(&[])),
         ("scenes", of(&[])),
         ("balls", of(&[("max_rows", MAX_ROWS as f64)])),
+        ("check", of(&[long, ("max_waiting", MAX_CHECKS as f64)])),
+        (
+            "clients",
+            of(&[("max_readers", MAX_READERS as f64), ("max_report_bytes", MAX_REPORT_BYTES as f64)]),
+        ),
+        (
+            "@arenas",
+            of(&[long, ("max_arenas", MAX_ARENAS as f64), ("max_recordings", MAX_RECORDINGS as f64)]),
+        ),
     ];
+    let is_there = |word: &str| {
+        commands.iter().any(|(name, _)| *name == word) || questions.iter().any(|(name, _)| *name == word)
+    };
+    let ros = ROS.iter().filter(|(_, _, needs)| is_there(needs));
+    let ros = ros.map(|(name, number, _)| ((*name).to_owned(), *number)).collect();
     Features {
+        ros,
         commands: commands.into_iter().map(|(name, limits)| (name.to_owned(), limits)).collect(),
         questions: questions.into_iter().map(|(name, limits)| (name.to_owned(), limits)).collect(),
     }

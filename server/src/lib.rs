@@ -10,6 +10,7 @@
 //! | [`simulation`] | commands in, ticks on, states out; no clock, no I/O |
 //! | [`places`] | where the balls of a scene may be put |
 //! | [`workshop`] | what takes longer than a tick has, made ready on a thread of its own |
+//! | [`checker`] | scenes that are asked about |
 //! | [`features`] | what is understood, with limits |
 //! | [`inbox`] | commands as they arrive: bounded, in order |
 //! | [`tick_loop`] | a fixed rate, on a plain thread |
@@ -23,6 +24,7 @@
 
 pub mod arena;
 pub mod arenas;
+pub mod checker;
 pub mod checkpoint_file;
 pub mod features;
 pub mod handover;

@@ -231,9 +231,10 @@ impl TickLoop {
                 }
                 Err(refusal) => Err(refusal),
             },
-            Command::Reset { .. } | Command::LoadScene { .. } | Command::SetBalls { .. } => {
-                self.change_world(&command, ready)
-            }
+            Command::Reset { .. }
+            | Command::LoadScene { .. }
+            | Command::ReloadScene {}
+            | Command::SetBalls { .. } => self.change_world(&command, ready),
             Command::Speed { factor } => {
                 self.set_speed(*factor);
                 Ok(())

@@ -34,6 +34,8 @@ pub struct Bench {
     places: Places,
     tick_rate_hz: u32,
     is_seeded: bool,
+    /// What the arena was started with.
+    origin: Arc<LoadedScene>,
 }
 
 impl Bench {
@@ -44,6 +46,7 @@ impl Bench {
             places: simulation.places().clone(),
             tick_rate_hz: simulation.tick_rate_hz(),
             is_seeded: false,
+            origin: simulation.loaded().clone(),
         }
     }
 
@@ -72,18 +75,30 @@ impl Bench {
                     .map_err(|error| bad_scene(&error))?;
                 self.world(self.loaded.clone(), Arc::new(scene), seed.is_some())
             }
-            Command::LoadScene { name, toml } => {
+            Command::ReloadScene {} => {
+                let text = self.origin.source().reopen().map_err(|error| bad_scene(&error))?;
+                let loaded = Arc::new(text.load().map_err(|error| bad_scene(&error))?);
+                self.world(loaded.clone(), loaded, false)
+            }
+            Command::LoadScene { name, toml, balls } => {
                 let text = match (name, toml) {
                     (Some(name), _) => {
                         SceneText::built_in(name).map_err(|e| Refusal::new(code::NOT_FOUND, e.to_string()))?
                     }
                     (None, toml) => SceneText::new("toml", toml.clone().unwrap_or_default()),
                 };
-                let loaded = Arc::new(text.load().map_err(|error| bad_scene(&error))?);
+                let loaded = Arc::new(text.with_balls(*balls).load().map_err(|error| bad_scene(&error))?);
                 self.world(loaded.clone(), loaded, false)
             }
             _ => Ok((Ready::Nothing, None)),
         }
+    }
+
+    /// The command as a recording can repeat it: what was read from a file is in it.
+    fn spelled_out(&self, command: Command) -> Command {
+        let Command::ReloadScene {} = command else { return command };
+        let source = self.loaded.source();
+        Command::LoadScene { name: None, toml: Some(source.text().to_owned()), balls: source.balls() }
     }
 
     fn world(
@@ -95,7 +110,8 @@ impl Bench {
         let tick_rate_hz = self.tick_rate_hz;
         let world = Simulation::new(scene, tick_rate_hz, 0).map_err(|error| bad_scene(&error))?;
         let places = world.places().clone();
-        Ok((Ready::World(Box::new(world)), Some(Self { loaded, places, tick_rate_hz, is_seeded })))
+        let origin = self.origin.clone();
+        Ok((Ready::World(Box::new(world)), Some(Self { loaded, places, tick_rate_hz, is_seeded, origin })))
     }
 }
 
@@ -141,7 +157,11 @@ fn work(mut bench: Bench, inbox: &Inbox, jobs: Receiver<(Job, Option<Answer>)>) 
             Job::Command(command) => Ok(command),
             Job::Text(text) => read(&text),
         };
-        let made = command.and_then(|command| Ok((bench.prepare(&command)?, command)));
+        let made = command.and_then(|command| {
+            let (ready, next) = bench.prepare(&command)?;
+            let command = next.as_ref().unwrap_or(&bench).spelled_out(command);
+            Ok(((ready, next), command))
+        });
         let (answer, why) = match made {
             Ok(((ready, next), command)) => match inbox.offer(Request { command, ready, answer }) {
                 Ok(()) => {

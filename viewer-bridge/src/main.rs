@@ -3,7 +3,7 @@
 use anyhow::{Result, bail};
 use ballroom_client::{Client, ClientOptions, DEFAULT_ENDPOINT, Patience, Setting};
 use clap::Parser;
-use protocol::keys::{DEFAULT_ARENA, Name};
+use protocol::keys::{DEFAULT_ARENA, Name, Role};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use viewer_bridge::bridge::{Bridge, Options, pump};
@@ -66,6 +66,7 @@ fn run(arguments: Arguments) -> Result<()> {
         settings: arguments.cfg,
         arena: arguments.arena,
         patience: Patience::WaitForServer,
+        role: Role::Viewer,
         ..ClientOptions::default()
     };
     process::on_signal(options.abort.clone(), || {})?;

@@ -4,11 +4,13 @@ use crate::feed::{Feed, Presences};
 use crate::follow::Follower;
 use crate::options::{ClientOptions, Patience};
 use protocol::arenas::{ArenaCommand, Arenas, COMMAND_KEY, LIST_KEY};
+use protocol::check::Check;
 use protocol::codec::{self, CodecError};
 use protocol::command::{Command, CommandFault, Reply, code};
 use protocol::event::Events;
 use protocol::keys::{Keys, Name, Role};
 use protocol::listing::{Balls, Features, Scenes, Selection};
+use protocol::report::Clients;
 use protocol::scene::Scene;
 use protocol::snapshot::{Snapshot, World};
 use protocol::state::State;
@@ -133,9 +135,13 @@ impl Client {
             std::thread::sleep(pause);
             pause = pause.mul_f64(1.5).min(RETRY[1]);
         };
+        Self::of_session(session, options).map(|client| Self { opened, ..client })
+    }
+
+    fn of_session(session: zenoh::Session, options: ClientOptions) -> Result<Self, ClientError> {
         let keys = Keys::new(&options.arena);
         let commands = session.declare_querier(keys.srv_command()).timeout(options.timeout).wait()?;
-        Ok(Self { session, keys, commands: Arc::new(commands), options, opened })
+        Ok(Self { session, keys, commands: Arc::new(commands), options, opened: Instant::now() })
     }
 
     /// The keys of this client's arena.
@@ -219,6 +225,29 @@ impl Client {
         Ok(codec::decode_json(&bytes.ok_or(ClientError::Lost { question: COMMAND_KEY.into() })?)?)
     }
 
+    /// The same session with another arena of the server.
+    pub fn of_arena(&self, arena: &Name) -> Result<Self, ClientError> {
+        let options = ClientOptions { arena: arena.clone(), ..self.options.clone() };
+        Self::of_session(self.session.clone(), options)
+    }
+
+    /// Whether the text of a scene file could be run, without touching what runs.
+    pub fn check(&self, toml: &str) -> Result<Check, ClientError> {
+        let (answers, inbox) = sync_channel(MAX_ANSWERS);
+        // Who answers this is there to be asked.
+        self.state()?;
+        let key = self.keys.srv_check();
+        let question = self.session.get(&key).payload(toml).timeout(self.options.timeout);
+        question.callback(move |reply| drop(answers.try_send(reply))).wait()?;
+        let bytes = first_answer(&inbox, &key, self.options.timeout)?;
+        Ok(codec::decode_json(&bytes.ok_or(ClientError::Lost { question: key })?)?)
+    }
+
+    /// Who reads the states, and how they come.
+    pub fn clients(&self) -> Result<Clients, ClientError> {
+        Ok(codec::decode_json(&self.ask(&self.keys.srv_clients())?)?)
+    }
+
     /// What the server understands, with limits.
     pub fn features(&self) -> Result<Features, ClientError> {
         Ok(codec::decode_json(&self.ask(&self.keys.srv_features())?)?)
@@ -252,9 +281,15 @@ impl Client {
         Ok(())
     }
 
-    /// States, newest only: what is not read in time is overtaken by the next.
+    /// States, newest only: what is not read in time is overtaken by the next. While it is read, the server is told
+    /// once a second how they come.
     pub fn subscribe_state(&self) -> Result<Feed<Snapshot>, ClientError> {
-        Feed::subscribe(&self.session, &self.keys.state(), 1, codec::decode_state)
+        let states = Feed::subscribe(&self.session, &self.keys.state(), 1, codec::decode_state)?;
+        let own = || self.session.zid().to_string().parse().ok();
+        match self.options.id.clone().or_else(own) {
+            Some(id) => states.reporting(&self.session, self.keys.report(self.options.role, &id)),
+            None => Ok(states),
+        }
     }
 
     /// Hits. They are numbered, so a reader that falls far behind sees what it missed.

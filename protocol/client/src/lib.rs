@@ -5,6 +5,7 @@
 //! | `options` | where the server is, how long to wait for it, when to stop waiting |
 //! | `client` | commands, questions, presses |
 //! | `feed` | what the server publishes, newest first, never blocking the session |
+//! | `meter` | how the states come, told to the server once a second |
 //! | `follow` | the world and then its states, through late joins, resets and restarts of the server |
 //!
 //! No runtime is needed. The client must not be used inside a single-threaded tokio runtime.
@@ -12,6 +13,7 @@
 mod client;
 mod feed;
 mod follow;
+mod meter;
 mod options;
 
 pub use client::{Client, ClientError};

@@ -10,11 +10,14 @@ mod connection;
 mod exit;
 mod hardcases;
 mod lines;
+mod metrics;
 mod replay;
 mod serve;
+mod sight;
 mod signals;
 mod simulate;
 mod steer;
+mod top;
 mod watch;
 mod world;
 
@@ -58,9 +61,12 @@ enum Subcommands {
     Speed(clock::Speed),
     Balls(Box<balls::Balls>),
     Load(world::Load),
+    Reload(world::Reload),
     Scenes(world::Scenes),
     Features(world::Features),
     Watch(watch::Watch),
+    Top(top::Top),
+    Metrics(metrics::Metrics),
     Simulate(simulate::Simulate),
     Replay(replay::Replay),
     Hardcases(hardcases::Hardcases),
@@ -89,11 +95,14 @@ pub fn main() -> ExitCode {
         Subcommands::RunUntil(run) => run.run(),
         Subcommands::Balls(balls) => balls.run(),
         Subcommands::Load(load) => load.run(),
+        Subcommands::Reload(reload) => reload.run(),
         Subcommands::Scenes(scenes) => scenes.run(),
         Subcommands::Features(features) => features.run(),
         Subcommands::Reset(reset) => reset.run(),
         Subcommands::Speed(speed) => speed.run(),
         Subcommands::Watch(watch) => watch.run(),
+        Subcommands::Top(top) => top.run(),
+        Subcommands::Metrics(metrics) => metrics.run(),
         Subcommands::Simulate(simulate) => simulate.run(),
         Subcommands::Replay(replay) => replay.run(),
         Subcommands::Hardcases(hardcases) => hardcases.run(),

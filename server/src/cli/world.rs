@@ -1,4 +1,4 @@
-//! `load`, `scenes` and `features`: another scene, and what there is to choose from.
+//! `load`, `reload`, `scenes` and `features`: another scene, and what there is to choose from.
 
 use super::connection::{ANSWER_TIMEOUT, Asked, Connection, LONG_TIMEOUT};
 use anyhow::Context;
@@ -16,10 +16,27 @@ then goes on.
 
 Examples:
   ballroom load bowl
+  ballroom load gas --balls 2000
   ballroom load my_scene.toml")]
 pub struct Load {
     /// Name of a built-in scene, or a file ending in .toml
     scene: String,
+    /// Balls in all, for a scene with one cloud
+    #[arg(long, value_name = "N")]
+    balls: Option<u32>,
+    #[command(flatten)]
+    asked: Asked,
+}
+
+/// Read the scene's file again that the arena was started with
+#[derive(clap::Args)]
+#[command(after_help = "\
+The server reads it where it was started; what cannot be run is refused with line and field, and the present scene goes on.
+
+Examples:
+  ballroom reload
+  ballroom reload --arena left --json")]
+pub struct Reload {
     #[command(flatten)]
     asked: Asked,
 }
@@ -47,8 +64,14 @@ pub struct Features {
 impl Load {
     pub fn run(self) -> anyhow::Result<()> {
         let (name, toml) = name_or_text(&self.scene)?;
-        let command = Command::LoadScene { name, toml };
+        let command = Command::LoadScene { name, toml, balls: self.balls };
         self.asked.command(&command, LONG_TIMEOUT)
+    }
+}
+
+impl Reload {
+    pub fn run(self) -> anyhow::Result<()> {
+        self.asked.command(&Command::ReloadScene {}, LONG_TIMEOUT)
     }
 }
 
@@ -96,6 +119,9 @@ impl Features {
                 let limits: Vec<_> = limits.iter().map(|(name, limit)| format!("{name} {limit}")).collect();
                 writeln!(out, "{kind:8} {name:12} {}", limits.join(", "))?;
             }
+        }
+        for (name, number) in features.ros {
+            writeln!(out, "{:8} {name} {number}", "ros")?;
         }
         Ok(())
     }

@@ -2,10 +2,12 @@
 //! most, never a state or Zenoh's receiving threads.
 
 use super::Latest;
+use protocol::check::Check;
 use protocol::codec;
 use protocol::command::{Refusal, Reply};
 use protocol::listing::Selection;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::time::Instant;
 use zenoh::Wait;
 use zenoh::bytes::Encoding;
 use zenoh::query::Query;
@@ -36,6 +38,10 @@ pub enum Answer {
     Info,
     /// What the clock does.
     State,
+    /// What came of a check.
+    Check(Box<Check>),
+    /// Who reads the states.
+    Clients,
     /// Why there is no answer.
     Fault(Refusal),
 }
@@ -86,6 +92,8 @@ pub fn send(latest: &Latest, query: &Query, answer: Answer) {
         Answer::Stats => json(&latest.stats()),
         Answer::Info => json(&latest.info),
         Answer::State => json(&latest.state()),
+        Answer::Check(check) => json(&check),
+        Answer::Clients => json(&latest.readers.list(Instant::now())),
         Answer::Fault(refusal) => return refuse(query, refusal),
     };
     tell(query, query.reply(query.key_expr().clone(), bytes).encoding(encoding).wait());

@@ -2,6 +2,7 @@
 
 use super::{CLOSE_TIMEOUT, NetworkError, session};
 use crate::arena::NetworkOptions;
+use crate::checker::Checker;
 use std::sync::Arc;
 use zenoh::{Session, Wait};
 
@@ -10,13 +11,14 @@ use zenoh::{Session, Wait};
 pub(crate) struct Link {
     session: Session,
     endpoints: Arc<[String]>,
+    checker: Checker,
 }
 
 impl Link {
     /// Opens the session.
     pub fn open(options: &NetworkOptions) -> Result<Self, NetworkError> {
         let (session, endpoints) = session::open(options)?;
-        Ok(Self { session, endpoints: endpoints.into() })
+        Ok(Self { session, endpoints: endpoints.into(), checker: Checker::start()? })
     }
 
     /// The session.
@@ -27,6 +29,11 @@ impl Link {
     /// Where clients connect to.
     pub fn endpoints(&self) -> &[String] {
         &self.endpoints
+    }
+
+    /// Who checks scenes.
+    pub const fn checker(&self) -> &Checker {
+        &self.checker
     }
 
     /// Ends the session for all copies.

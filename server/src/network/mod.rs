@@ -8,13 +8,17 @@
 //! | `services` | commands and questions coming in |
 //! | `budget` | how many commands and questions one source may send |
 //! | `answers` | everything that is answered, on a thread of its own |
+//! | `readers` | who reads the states, as they say themselves |
+//! | `outlet` | one stream going out, numbered and counted |
 //! | `publisher` | states, hits and statistics going out, on a thread of its own |
 
 mod answers;
 mod budget;
 mod doors;
 mod link;
+mod outlet;
 mod publisher;
+mod readers;
 mod services;
 mod session;
 
@@ -75,6 +79,7 @@ pub(crate) struct Latest {
     stats: Mutex<Stats>,
     handover: Arc<Handover>,
     recorded: bool,
+    readers: readers::Readers,
 }
 
 impl Latest {
@@ -175,6 +180,7 @@ impl Network {
             stats: Mutex::new(stats),
             handover: handover.clone(),
             recorded: options.record.is_some(),
+            readers: readers::Readers::default(),
         });
         let keys = Keys::new(&options.arena);
         let session = link.session();
@@ -182,7 +188,7 @@ impl Network {
         let known = latest.clone();
         let (answers, answered) =
             answers::Answers::start(move |query, answer| answers::send(&known, query, answer))?;
-        let services = services::Services::declare(session, &keys, &answers, inbox, workshop)?;
+        let services = services::Services::declare(link, &keys, &latest, &answers, inbox, workshop)?;
         drop(answers);
         let publisher = publisher::Publisher::declare(session, &keys, latest.clone(), handover)?;
         // Last: who sees the token finds everything else in place. The epoch is a number, so this is a name.

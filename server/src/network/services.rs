@@ -1,9 +1,11 @@
 //! Commands and questions coming in. Callbacks run on Zenoh's receiving threads: they check, and pass on to the inbox
 //! or to the answering thread; none waits for the simulation or for a client.
 
-use super::NetworkError;
 use super::answers::{Answer, Answers};
 use super::budget::{ANSWERS_PER_S, Budget, PRESSES_PER_S, Source};
+use super::link::Link;
+use super::{Latest, NetworkError};
+use crate::checker::Checker;
 use crate::inbox::{Inbox, Refused, Request};
 use crate::workshop::{self, Job, Ready, Workshop};
 use protocol::codec::{MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
@@ -21,13 +23,15 @@ use zenoh::{Session, Wait};
 pub struct Services {
     _queryables: Vec<Queryable<()>>,
     _presses: Subscriber<()>,
+    _reports: Subscriber<()>,
 }
 
 impl Services {
     /// Declares the commands and the questions of an arena.
     pub fn declare(
-        session: &Session,
+        link: &Link,
         keys: &Keys,
+        latest: &Arc<Latest>,
         answers: &Answers<Answer>,
         inbox: &Arc<Inbox>,
         workshop: Workshop,
@@ -38,7 +42,11 @@ impl Services {
             answers: answers.clone(),
             workshop,
         });
-        let mut queryables = vec![commands(session, &keys.srv_command(), gate.clone())?];
+        let session = link.session();
+        let mut queryables = vec![
+            commands(session, &keys.srv_command(), gate.clone())?,
+            checks(session, &keys.srv_check(), gate.clone(), link.checker().clone())?,
+        ];
         let mut declare = |key: String, make: fn(&Query) -> Result<Answer, String>| {
             let gate = gate.clone();
             let declared = session.declare_queryable(key).callback(move |query| {
@@ -53,12 +61,14 @@ impl Services {
         declare(keys.srv_scene(), |_| Ok(Answer::Scene))?;
         declare(keys.srv_stats(), |_| Ok(Answer::Stats))?;
         declare(keys.srv_info(), |_| Ok(Answer::Info))?;
+        declare(keys.srv_clients(), |_| Ok(Answer::Clients))?;
         declare(keys.srv_state(), |_| Ok(Answer::State))?;
         declare(keys.srv_features(), |_| Ok(Answer::Features))?;
         declare(keys.srv_scenes(), |_| Ok(Answer::Scenes))?;
         declare(keys.srv_balls(), |query| Selection::parse(query.parameters().as_str()).map(Answer::Balls))?;
+        let reports = reports(session, keys.clone(), latest.clone())?;
         let presses = presses(session, keys.clone(), gate)?;
-        Ok(Self { _queryables: queryables, _presses: presses })
+        Ok(Self { _queryables: queryables, _presses: presses, _reports: reports })
     }
 }
 
@@ -83,6 +93,54 @@ fn commands(session: &Session, key: &str, gate: Arc<Gate>) -> Result<Queryable<(
         }
     };
     Ok(session.declare_queryable(key.to_owned()).callback(callback).wait()?)
+}
+
+/// Scenes to be checked, beside what runs.
+fn checks(
+    session: &Session,
+    key: &str,
+    gate: Arc<Gate>,
+    checker: Checker,
+) -> Result<Queryable<()>, NetworkError> {
+    let callback = move |query: Query| {
+        let text = query.payload().map(|payload| payload.to_bytes()).unwrap_or_default();
+        let read = gate.spend(&Source::Questions).and_then(|()| {
+            if text.len() > MAX_REQUEST_BYTES {
+                let why = format!("{} bytes are too many: at most {MAX_REQUEST_BYTES}", text.len());
+                return Err(gate.refuse(code::TOO_LONG, why));
+            }
+            let text = std::str::from_utf8(&text);
+            text.map(str::to_owned).map_err(|e| gate.refuse(code::MALFORMED, format!("no text: {e}")))
+        });
+        drop(text);
+        let answers = gate.answers.clone();
+        match read {
+            Ok(toml) => checker.give(
+                toml,
+                Box::new(move |found| {
+                    answers
+                        .give(query, found.map_or_else(Answer::Fault, |check| Answer::Check(check.into())));
+                }),
+            ),
+            Err(refusal) => answers.give(query, Answer::Fault(refusal)),
+        }
+    };
+    Ok(session.declare_queryable(key.to_owned()).callback(callback).wait()?)
+}
+
+/// What readers say of themselves; nothing hangs on it, so that what is wrong is passed over.
+fn reports(session: &Session, keys: Keys, latest: Arc<Latest>) -> Result<Subscriber<()>, NetworkError> {
+    let anyone = keys.report_of_anyone();
+    let subscriber = session.declare_subscriber(anyone).callback(move |sample| {
+        let key = sample.key_expr().as_str();
+        let reader = keys.reader_of(key).ok_or_else(|| "no reader of this name".to_owned());
+        let heard = reader
+            .and_then(|reader| latest.readers.hear(reader, &sample.payload().to_bytes(), Instant::now()));
+        if let Err(why) = heard {
+            tracing::debug!("{key} passed over: {why}");
+        }
+    });
+    Ok(subscriber.wait()?)
 }
 
 /// Commands that are not answered.

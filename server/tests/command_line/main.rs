@@ -4,6 +4,8 @@ mod arenas;
 mod check;
 mod control;
 mod hardcases;
+mod readers;
+mod reload;
 mod serving;
 mod simulate;
 mod usage;

@@ -64,14 +64,18 @@ impl Serving {
 
     /// A session with one of its arenas.
     pub fn client_of(&self, arena: &str) -> Client {
-        Client::open(ClientOptions {
+        Client::open(self.options_of(arena)).unwrap()
+    }
+
+    /// How to reach one of its arenas.
+    pub fn options_of(&self, arena: &str) -> ClientOptions {
+        ClientOptions {
             arena: arena.parse().unwrap(),
             endpoints: vec![self.endpoint.clone()],
             patience: Patience::GiveUpAfter(PATIENCE),
             timeout: PATIENCE,
             ..ClientOptions::default()
-        })
-        .unwrap()
+        }
     }
 }
 

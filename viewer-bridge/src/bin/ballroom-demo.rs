@@ -109,6 +109,7 @@ fn join(arguments: &Arguments, abort: &Abort, arena: &ArenaHandle, bridge: &Brid
     let client = Client::open(ClientOptions {
         endpoints: vec![arena.endpoint().to_owned()],
         patience: Patience::GiveUpAfter(Duration::from_secs(10)),
+        role: protocol::keys::Role::Viewer,
         abort: abort.clone(),
         ..ClientOptions::default()
     })?;

@@ -93,7 +93,7 @@ class Server:
 
     def states(self, timeout_s: float | None = None) -> States:
         """The present state and then the newest, for ever, or until none came for `timeout_s`."""
-        return States(self._session, f"{self._prefix}/state", timeout_s, self.world)
+        return States(self._session, self._prefix, timeout_s, self.world)
 
     def events(self, timeout_s: float | None = None) -> Hits:
         """Hits from now on, for ever, or until none came for `timeout_s`."""
@@ -206,9 +206,29 @@ class Server:
         rows = [{"name": name} | {key: _plain(value) for key, value in ball.items()} for name, ball in balls.items()]
         return self._command("set_balls", balls=rows, timeout_s=_AS_LONG_AS_IT_LIVES_S)
 
-    def load_scene(self, name: str | None = None, *, toml: str | None = None) -> Reply:
-        """Goes on with another scene as a new epoch: one of `scenes()` by name, or the text of a scene file."""
-        return self._command("load_scene", name=name, toml=toml, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+    def load_scene(self, name: str | None = None, *, toml: str | None = None, balls: int | None = None) -> Reply:
+        """Goes on with another scene as a new epoch: one of `scenes()` by name, or the text of a scene file.
+
+        `balls` is how many there shall be, for a scene with one cloud.
+        """
+        return self._command("load_scene", name=name, toml=toml, balls=balls, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def reload_scene(self) -> Reply:
+        """Reads the scene's file that the arena was started with again, and begins with it as a new epoch."""
+        return self._command("reload_scene", timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def check(self, toml: str) -> dict[str, Any]:
+        """Whether the text of a scene file could be run, without touching what runs.
+
+        `ok` says so; `fault` then names line, column, field and what would be right, or `scene` holds what is proved
+        about its floor.
+        """
+        answer = json.loads(self._ask("check", toml.encode(), _AS_LONG_AS_IT_LIVES_S))
+        return dict(answer)
+
+    def clients(self) -> list[dict[str, Any]]:
+        """Who reads the states, and how they come: age, jitter, losses, rates."""
+        return list(self._ask_json("clients")["clients"])
 
     def steer(self, ball: str | None, direction: Direction, mode: Literal["impulse", "force"] = "impulse") -> Reply:
         """Pushes a player's ball once, or until told otherwise, half a simulated second at most.
@@ -266,9 +286,11 @@ class Server:
                 self._slow_down(refused, deadline)
 
     def _ask_once(self, question: str, payload: bytes | None, timeout_s: float) -> bytes:
-        question = question if question in (_ARENA_COMMAND, _ARENA_LIST) else f"{self._prefix}/srv/{question}"
+        is_whole_key = question in (_ARENA_COMMAND, _ARENA_LIST)
+        question = question if is_whole_key else f"srv/{question}"
+        key = question if is_whole_key else f"{self._prefix}/{question}"
         try:
-            replies = self._session.get(question, payload=payload, timeout=timeout_s)
+            replies = self._session.get(key, payload=payload, timeout=timeout_s)
         except zenoh.ZError as why:
             raise BallroomError(f"{question} cannot be asked: {why}") from why
         for reply in replies:
@@ -290,9 +312,7 @@ class Server:
             raise FrameError(f"srv/{question} answered no JSON object")
         return answer
 
-    def _command(
-        self, verb: str, timeout_s: float | None = None, question: str = "command", **fields: object
-    ) -> Reply:
+    def _command(self, verb: str, timeout_s: float | None = None, question: str = "command", **fields: object) -> Reply:
         given = {name: value for name, value in fields.items() if value is not None}
         line = json.dumps({"cmd": verb, **given}).encode()
         deadline = time.monotonic() + self.timeout_s

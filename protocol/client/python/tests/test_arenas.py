@@ -41,3 +41,28 @@ def test_a_stopped_arena_stands_at_its_start(serve: Serve) -> None:
     assert (server.run_state(), server.state().tick, server.state().paused) == ("stopped", 0, True)
     server.set_state("playing")
     assert server.run_state() == "playing"
+
+
+def test_a_reader_of_states_is_seen_with_age_and_rate(serve: Serve) -> None:
+    server = serve("plane")
+    with server.states(server.timeout_s) as states:
+        for _ in states:
+            rows = server.clients()
+            if rows and rows[0]["age_ms"] is not None:
+                break
+    assert (rows[0]["role"], rows[0]["lost"]) == ("script", None)
+    assert rows[0]["states_per_s"] > 0
+    assert rows[0]["bytes_per_s"] > 100 * rows[0]["states_per_s"]
+    assert 0 <= rows[0]["age_ms"][0] <= rows[0]["age_ms"][1]
+    assert rows[0]["received"] > 0
+
+
+def test_a_scene_is_checked_and_reloaded(plane: ballroom.Server) -> None:
+    bad = plane.check('version = 1\nname = "nothing"\n')
+    assert not bad["ok"]
+    assert bad["fault"]["line"] is not None
+    assert bad["fault"]["text"].startswith("toml:")
+    epoch = plane.load_scene("gas", balls=20).epoch
+    assert len(plane.state()) == 20
+    assert plane.reload_scene().epoch == epoch + 1
+    assert plane.scene()["name"] == "plane"
