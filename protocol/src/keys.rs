@@ -21,6 +21,7 @@
 //! | `report/<role>/<id>` | who reads states | a [`Report`](crate::report::Report) once a second, JSON |
 //! | `alive/<role>/<id>` | each for itself | a liveliness token while it lives |
 //!
+//! What the server publishes carries a [`Stamp`](crate::report::Stamp) as its attachment: a number and a wall time.
 //! What a process with several arenas is asked has keys of its own: [`arenas`](crate::arenas).
 //!
 //! The chunk `v1` changes when old and new can no longer understand each other.

@@ -190,6 +190,11 @@ impl ArenaHandle {
         self.threads.iter().any(JoinHandle::is_finished)
     }
 
+    /// Whether it was asked to end by a client, and ends in order.
+    pub fn has_quit(&self) -> bool {
+        self.latest.state().state == RunState::Quitting
+    }
+
     /// Stops it and waits for the end; false when one of its threads had panicked.
     pub fn join(mut self) -> bool {
         self.finish()

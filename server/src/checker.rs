@@ -39,12 +39,12 @@ impl Checker {
 
 fn work(questions: Receiver<(String, Tell)>) {
     for (toml, tell) in questions {
-        tell(Ok(check(SceneText::new("toml", toml)).unwrap_or_else(|error| Check::from(&error))));
+        tell(Ok(check(&SceneText::new("toml", toml)).unwrap_or_else(|error| Check::from(&error))));
     }
 }
 
 /// What would be run, set up to its last table, and what is proved about its floor.
-fn check(text: SceneText) -> Result<Check, SceneError> {
+fn check(text: &SceneText) -> Result<Check, SceneError> {
     let loaded = Arc::new(text.load()?);
     let simulation = Simulation::new(loaded.clone(), 1, 0)?;
     let start = simulation.places().start();
@@ -74,16 +74,16 @@ mod tests {
 
     #[test]
     fn a_checked_scene_is_told_with_its_brackets_and_a_bad_one_with_its_line() {
-        let scene = check(SceneText::open("original").unwrap()).unwrap().scene.unwrap();
+        let scene = check(&SceneText::open("original").unwrap()).unwrap().scene.unwrap();
         assert_eq!((scene.balls, scene.players), (3, 1));
         let Floor { steepest_deg, curvature_per_m, reach_m } = scene.certificate;
         for [low, high] in [steepest_deg, curvature_per_m, reach_m.unwrap()] {
             assert!(0.0 < low && low <= high, "{low} {high}");
         }
         assert!(
-            check(SceneText::open("plane").unwrap()).unwrap().scene.unwrap().certificate.reach_m.is_none()
+            check(&SceneText::open("plane").unwrap()).unwrap().scene.unwrap().certificate.reach_m.is_none()
         );
-        let fault = Check::from(&check(SceneText::new("toml", "version = 1\n")).unwrap_err()).fault.unwrap();
+        let fault = Check::from(&check(&SceneText::new("toml", "version = 1\n")).unwrap_err()).fault.unwrap();
         assert_eq!(fault.line, Some(1));
         assert!(fault.text.starts_with("toml:1:1"), "{fault:?}");
     }

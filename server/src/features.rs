@@ -13,7 +13,7 @@ use protocol::listing::{Features, MAX_ROWS, SceneEntry, Scenes};
 use protocol::report::{MAX_READERS, MAX_REPORT_BYTES};
 
 /// Features of ROS `simulation_interfaces`: name, number, and the command or question by which a bridge offers it.
-const ROS: [(&str, u8, &str); 17] = [
+const ROS: [(&str, u8, &str); 18] = [
     ("SPAWNING", 0, "spawn"),
     ("DELETING", 1, "delete"),
     ("ENTITY_BOUNDS", 5, "balls"),
@@ -30,6 +30,7 @@ const ROS: [(&str, u8, &str); 17] = [
     ("STEP_SIMULATION_MULTIPLE", 32, "step"),
     ("WORLD_LOADING", 40, "load_scene"),
     ("WORLD_RESOURCE_STRING", 41, "load_scene"),
+    ("WORLD_INFO_GETTING", 44, "scene"),
     ("AVAILABLE_WORLDS", 45, "scenes"),
 ];
 

@@ -43,9 +43,9 @@ impl Meter {
         counts.received += 1;
         counts.bytes += bytes as u64;
         if counts.waiting < depth {
-            counts.waiting += 1
+            counts.waiting += 1;
         } else {
-            counts.overtaken += 1
+            counts.overtaken += 1;
         }
         let Some(stamp) = stamp else { return };
         // A number that is not larger is that of a server begun anew.
@@ -154,15 +154,15 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    fn stamp(sequence: u64, wall_ns: u64) -> Option<Stamp> {
-        Some(Stamp { sequence, wall_ns })
+    const fn stamp(sequence: u64, wall_ns: u64) -> Stamp {
+        Stamp { sequence, wall_ns }
     }
 
     #[test]
     fn gaps_in_the_numbers_are_losses_and_a_number_from_the_start_is_a_new_server() {
         let meter = Meter::default();
         for sequence in [40, 41, 44, 45, 0, 1, 3] {
-            meter.arrived(stamp(sequence, 0), 10, 1, 0);
+            meter.arrived(Some(stamp(sequence, 0)), 10, 1, 0);
             meter.read();
         }
         let report = meter.report(Duration::from_secs(1));
@@ -174,7 +174,7 @@ mod tests {
     fn what_is_not_read_in_time_is_overtaken_and_not_lost() {
         let meter = Meter::default();
         for sequence in 0..10 {
-            meter.arrived(stamp(sequence, 0), 1, 1, 0);
+            meter.arrived(Some(stamp(sequence, 0)), 1, 1, 0);
         }
         meter.read();
         let report = meter.report(Duration::from_secs(1));
@@ -186,7 +186,7 @@ mod tests {
         let jitter = |offset: u64| {
             let meter = Meter::default();
             for (sequence, late) in [1, 3, 2, 2].into_iter().enumerate() {
-                meter.arrived(stamp(sequence as u64, 100 * MS), 1, 8, (100 + late + offset) * MS);
+                meter.arrived(Some(stamp(sequence as u64, 100 * MS)), 1, 8, (100 + late + offset) * MS);
             }
             let report = meter.report(Duration::from_secs(1));
             let [median, largest] = report.age_ms.unwrap();

@@ -95,7 +95,8 @@ impl Latest {
         }
     }
 
-    fn state(&self) -> State {
+    /// What the clock does.
+    pub(crate) fn state(&self) -> State {
         let present = self.present();
         let (epoch, tick, time_s) = (present.state.epoch, present.state.tick, present.state.time_s);
         drop(present);

@@ -3,11 +3,12 @@
 use super::serving::Serving;
 use super::{PATIENCE, ballroom};
 use ballroom_client::{Client, Presence};
-use protocol::arenas::{ArenaCommand, MAX_ARENAS};
+use protocol::arenas::{ArenaCommand, COMMAND_KEY, MAX_ARENAS};
 use protocol::command::{Command, Reply, code};
 use protocol::keys::Role;
 use serde_json::Value;
 use std::time::{Duration, Instant};
+use zenoh::Wait;
 
 /// The hash of an undisturbed run at a tick.
 fn simulated(scene: &str, ticks: u32) -> String {
@@ -97,6 +98,33 @@ fn an_arena_that_cannot_be_started_is_refused_and_leaves_no_trace() {
     assert_eq!(recorded["code"], code::FEATURE_UNSUPPORTED);
     assert_eq!(names(&server), ["main"]);
     assert!(client.arena_command(&start("new", "bowl")).unwrap().ok);
+}
+
+#[test]
+fn what_is_no_command_to_the_process_is_refused_by_its_number() {
+    let server = Serving::start(&["plane", "--paused"]);
+    let client = server.client();
+    let ask = |payload: Vec<u8>| {
+        let replies = client.session().get(COMMAND_KEY).payload(payload).timeout(PATIENCE).wait().unwrap();
+        let reply = replies.recv().unwrap().into_result().unwrap();
+        serde_json::from_slice::<Reply>(&reply.payload().to_bytes()).unwrap()
+    };
+    for (payload, code) in [
+        (Vec::new(), code::MALFORMED),
+        (vec![0xff; 100], code::MALFORMED),
+        (b"[".repeat(100_000), code::MALFORMED),
+        (br#"{"cmd":"stop","arena":"../main"}"#.to_vec(), code::MALFORMED),
+        (br#"{"cmd":"pause"}"#.to_vec(), code::MALFORMED),
+        (vec![b' '; (512 << 10) + 1], code::TOO_LONG),
+    ] {
+        refused(&ask(payload), code, "");
+    }
+    // Nor is what is no report believed.
+    for key in ["report/viewer/v1", "report/server/v1", "report/viewer/NOBODY"] {
+        client.session().put(format!("ballroom/v1/main/{key}"), vec![0xff; 600]).wait().unwrap();
+    }
+    assert!(client.clients().unwrap().clients.is_empty());
+    assert_eq!(names(&server), ["main"]);
 }
 
 #[test]

@@ -211,6 +211,9 @@ impl Table<'_> {
     }
 
     fn goes_on(&self) -> Result<bool> {
+        if self.arena.has_quit() {
+            return Ok(false);
+        }
         if self.arena.is_finished() && !self.abort.is_aborted() {
             bail!("the arena ended by itself; its log tells why");
         }

@@ -4,17 +4,17 @@ use super::table;
 use crate::cli::sight::Sight;
 use crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use crossterm::{cursor, execute, queue, style, terminal};
-use std::io::{Write, stdout};
+use std::io::{Stdout, Write, stdout};
 
 /// The terminal, given back when this is dropped and also when something panics.
-pub struct Terminal(());
+pub struct Terminal(Stdout);
 
 impl Terminal {
     /// Takes it over.
     pub fn take() -> std::io::Result<Self> {
         terminal::enable_raw_mode()?;
         // From here on whatever happens gives it back.
-        let taken = Self(());
+        let taken = Self(stdout());
         let hook = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |panic| {
             give_back();
@@ -27,7 +27,7 @@ impl Terminal {
     /// Shows lines, as many and as much of each as there is room for.
     pub fn show(&self, lines: &[String]) -> std::io::Result<()> {
         let (width, height) = terminal::size()?;
-        let mut out = stdout().lock();
+        let mut out = self.0.lock();
         queue!(out, terminal::BeginSynchronizedUpdate)?;
         for (row, line) in (0..height).zip(lines) {
             let line: String = line.chars().take(usize::from(width)).collect();
