@@ -5,12 +5,13 @@
 //! `{"key":"up"}` is one press, `{"key":"up","down":true}` a key held, `{"key":"up","down":false}` the key let go.
 
 use crate::change::{self, PointMove, check_name};
-use crate::codec::{MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
+use crate::codec::{MAX_BALLS, MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
 use crate::keys::Name;
 use crate::listing::Selection;
 use crate::parameter::Value;
 pub use crate::reply::{Refusal, Reply, code};
 use crate::scene::Ball;
+pub use crate::state::RunState;
 use crate::timeline::{Rewind, SavedState};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -94,6 +95,11 @@ pub enum Command {
         /// By their names in [`Parameters`](crate::parameter::Parameters).
         values: BTreeMap<String, Value>,
     },
+    /// Set what the clock does, in the words of ROS `simulation_interfaces`.
+    SetState {
+        /// `stopped` pauses and resets everything, `quitting` ends this arena.
+        state: RunState,
+    },
     /// Go on with another scene; a new epoch.
     LoadScene {
         /// One of the scenes that come with the program.
@@ -102,7 +108,12 @@ pub enum Command {
         /// A scene as it stands in a file.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         toml: Option<String>,
+        /// Balls in all, for a scene with one cloud; as it says when absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        balls: Option<u32>,
     },
+    /// Read again the file or the scene that the arena was started with; a new epoch.
+    ReloadScene {},
     /// Back along what happened; a new epoch that goes on from there. The clock runs or stands as before.
     Rewind(Rewind),
     /// Keep the present state under a name.
@@ -199,6 +210,7 @@ pub const SPEED_FACTORS: [f64; 2] = [0.01, 100.0];
 pub struct CommandFault(String);
 
 impl CommandFault {
+    /// With its text.
     pub(crate) fn new(why: impl Into<String>) -> Self {
         Self(why.into())
     }
@@ -277,6 +289,8 @@ impl Command {
                 | Self::MoveControlPoints { .. }
                 | Self::SetParameters { .. }
                 | Self::LoadScene { .. }
+                | Self::ReloadScene {}
+                | Self::SetState { state: RunState::Stopped }
                 | Self::Reset { .. }
                 | Self::Rewind(_)
                 | Self::LoadState { .. }
@@ -292,7 +306,12 @@ impl Command {
     pub const fn is_of_the_clock(&self) -> bool {
         matches!(
             self,
-            Self::Pause {} | Self::Resume {} | Self::Step { .. } | Self::RunUntil { .. } | Self::Speed { .. }
+            Self::Pause {}
+                | Self::Resume {}
+                | Self::Step { .. }
+                | Self::RunUntil { .. }
+                | Self::Speed { .. }
+                | Self::SetState { state: RunState::Paused | RunState::Playing | RunState::Quitting }
         )
     }
 
@@ -329,7 +348,10 @@ impl Command {
             Self::Delete(selection) => change::check_selection(selection),
             Self::MoveControlPoints { points } => change::check_points(points),
             Self::SetParameters { values } => change::check_values(values),
-            Self::LoadScene { name, toml } if name.is_some() == toml.is_some() => {
+            Self::LoadScene { balls: Some(balls), .. } if *balls as usize > MAX_BALLS => {
+                fault(format!("{balls} balls are too many: at most {MAX_BALLS}"))
+            }
+            Self::LoadScene { name, toml, .. } if name.is_some() == toml.is_some() => {
                 fault("give either the name of a scene or its toml".into())
             }
             Self::Rewind(rewind) => rewind.fault().map_or(Ok(()), fault),
@@ -518,8 +540,11 @@ mod tests {
                 ]
                 .into(),
             },
-            Command::LoadScene { name: Some("bowl".into()), toml: None },
-            Command::LoadScene { name: None, toml: Some("version = 1".into()) },
+            Command::SetState { state: RunState::Stopped },
+            Command::SetState { state: RunState::Quitting },
+            Command::LoadScene { name: Some("bowl".into()), toml: None, balls: Some(40) },
+            Command::LoadScene { name: None, toml: Some("version = 1".into()), balls: None },
+            Command::ReloadScene {},
             Command::Rewind(Rewind::by_seconds(600.0)),
             Command::Rewind(Rewind::to_tick(0)),
             Command::Rewind(Rewind { epoch: Some(7), ..Rewind::to_tick(3) }),
@@ -599,6 +624,10 @@ mod tests {
             r#"{"cmd":"set_parameters","values":{}}"#,
             r#"{"cmd":"set_parameters","values":{"restitution":null}}"#,
             r#"{"cmd":"load_scene"}"#,
+            r#"{"cmd":"load_scene","name":"gas","balls":100001}"#,
+            r#"{"cmd":"reload_scene","name":"bowl"}"#,
+            r#"{"cmd":"set_state"}"#,
+            r#"{"cmd":"set_state","state":"no_world"}"#,
             r#"{"cmd":"load_scene","name":"bowl","toml":""}"#,
             r#"{"cmd":"rewind"}"#,
             r#"{"cmd":"rewind","seconds":-1}"#,

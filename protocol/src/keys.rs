@@ -23,7 +23,14 @@
 //! | `srv/players` | anyone, asked | who drives which ball: [`Players`](crate::player::Players), JSON |
 //! | `srv/slots` | anyone, asked | the [`Timeline`](crate::timeline::Timeline): how far a rewind reaches, and the slots, JSON |
 //! | `srv/checkpoint` | anyone, asked | the present state or `?slot=a` as a [`SavedState`](crate::timeline::SavedState), JSON |
+//! | `srv/state` | anyone, asked | the [`State`](crate::state::State) of the clock, JSON |
+//! | `srv/check` | anyone, asked | a scene as TOML in, a [`Check`](crate::check::Check) out, JSON |
+//! | `srv/clients` | anyone, asked | [`Clients`](crate::report::Clients): who reads, and how states reach them, JSON |
+//! | `report/<role>/<id>` | who reads states | a [`Report`](crate::report::Report) once a second, JSON |
 //! | `alive/<role>/<id>` | each for itself | a liveliness token while it lives |
+//!
+//! What the server publishes carries a [`Stamp`](crate::report::Stamp) as its attachment: a number and a wall time.
+//! What a process with several arenas is asked has keys of its own: [`arenas`](crate::arenas).
 //!
 //! The chunk `v1` changes when old and new can no longer understand each other.
 
@@ -90,8 +97,9 @@ impl fmt::Display for Name {
     }
 }
 
-/// Who holds a liveliness token.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Who holds a liveliness token, or tells how it reads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Role {
     /// An arena; its id is the server's instance.
     Server,
@@ -99,14 +107,25 @@ pub enum Role {
     Viewer,
     /// Someone who steers.
     Player,
+    /// A program of the command line, or of one's own.
+    #[default]
+    Tool,
+    /// A script in Python.
+    Script,
 }
 
 impl Role {
-    const fn chunk(self) -> &'static str {
+    /// Everyone who may read.
+    pub const READERS: [Self; 4] = [Self::Viewer, Self::Player, Self::Tool, Self::Script];
+
+    /// Its name in keys.
+    pub const fn chunk(self) -> &'static str {
         match self {
             Self::Server => "server",
             Self::Viewer => "viewer",
             Self::Player => "player",
+            Self::Tool => "tool",
+            Self::Script => "script",
         }
     }
 }
@@ -248,6 +267,38 @@ impl Keys {
         self.under("srv/checkpoint")
     }
 
+    /// What the clock does.
+    pub fn srv_state(&self) -> String {
+        self.under("srv/state")
+    }
+
+    /// Whether a scene could be run.
+    pub fn srv_check(&self) -> String {
+        self.under("srv/check")
+    }
+
+    /// Who reads the states.
+    pub fn srv_clients(&self) -> String {
+        self.under("srv/clients")
+    }
+
+    /// What one reader says.
+    pub fn report(&self, role: Role, id: &Name) -> String {
+        self.under(&format!("report/{}/{id}", role.chunk()))
+    }
+
+    /// What all readers say.
+    pub fn report_of_anyone(&self) -> String {
+        self.under("report/*/*")
+    }
+
+    /// Whose report arrived under `key`, if it is one of this arena's.
+    pub fn reader_of(&self, key: &str) -> Option<(Role, Name)> {
+        let (role, id) = key.strip_prefix(&self.prefix)?.strip_prefix("/report/")?.split_once('/')?;
+        let role = Role::READERS.into_iter().find(|known| known.chunk() == role)?;
+        Some((role, id.parse().ok()?))
+    }
+
     /// One token.
     pub fn alive(&self, role: Role, id: &Name) -> String {
         self.under(&format!("alive/{}/{id}", role.chunk()))
@@ -287,5 +338,12 @@ mod tests {
         assert_eq!(keys.driver_of("ballroom/v1/main/drive/p1"), Some("p1".parse().unwrap()));
         assert_eq!(keys.driver_of("ballroom/v1/main/cmd/p1"), None);
         assert_eq!(keys.player_of("ballroom/v1/main/cmd/p1/x"), None);
+        let reader = (Role::Viewer, "v-1".parse().unwrap());
+        assert_eq!(keys.reader_of(&keys.report(reader.0, &reader.1)), Some(reader));
+        for none in
+            ["main/report/server/v1", "main/report/viewer/v1/x", "other/report/viewer/v1", "main/report/x/v1"]
+        {
+            assert_eq!(keys.reader_of(&format!("ballroom/v1/{none}")), None);
+        }
     }
 }

@@ -11,6 +11,10 @@
 //! | [`player`] | who drives which ball, and what they say while they do |
 //! | [`snapshot`] | the state of all balls at a tick |
 //! | [`event`] | one hit, with time, place and impulse |
+//! | [`state`] | whether the clock runs |
+//! | [`arenas`] | several arenas in one process |
+//! | [`check`] | whether a scene could be run |
+//! | [`report`] | how states reach those who read them |
 //! | [`stats`] | what the server says of itself once a second |
 //! | [`info`] | frames, units and versions, for whoever asks |
 //! | [`listing`] | lists for whoever asks: balls, scenes, features |
@@ -18,7 +22,9 @@
 //! | [`keys`] | the names under which all this travels |
 //! | [`codec`] | bytes to values and back; every limit on size stands there |
 
+pub mod arenas;
 pub mod change;
+pub mod check;
 pub mod codec;
 pub mod command;
 pub mod event;
@@ -28,8 +34,10 @@ pub mod listing;
 pub mod parameter;
 pub mod player;
 pub mod reply;
+pub mod report;
 pub mod scene;
 pub mod scene_text;
 pub mod snapshot;
+pub mod state;
 pub mod stats;
 pub mod timeline;

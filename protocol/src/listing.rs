@@ -190,6 +190,9 @@ pub struct Features {
     pub commands: BTreeMap<String, BTreeMap<String, f64>>,
     /// The questions, by the end of their key, likewise.
     pub questions: BTreeMap<String, BTreeMap<String, f64>>,
+    /// What of ROS `simulation_interfaces` a bridge can offer with these: names and numbers of `SimulatorFeatures`.
+    #[serde(default)]
+    pub ros: BTreeMap<String, u8>,
 }
 
 #[cfg(test)]

@@ -46,4 +46,39 @@ pub struct Stats {
     pub states_published: u64,
     /// See `states_published`.
     pub states_skipped: u64,
+    /// What went out over the last second, by stream.
+    pub streams: Streams,
+}
+
+/// What goes out, by key.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Streams {
+    /// States.
+    pub state: Stream,
+    /// Hits.
+    pub event: Stream,
+    /// These statistics.
+    pub stats: Stream,
+    /// The scene at the start of an epoch.
+    pub scene: Stream,
+}
+
+impl Streams {
+    /// Each with its name.
+    pub const fn named(&self) -> [(&'static str, Stream); 4] {
+        [("state", self.state), ("event", self.event), ("stats", self.stats), ("scene", self.scene)]
+    }
+}
+
+/// What goes out under one key. It is counted once, however many read it; what nobody reads is not sent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Stream {
+    /// Messages a second.
+    pub messages_per_s: f64,
+    /// Bytes of payload a second.
+    pub bytes_per_s: f64,
+    /// Whether anybody reads it.
+    pub is_read: bool,
 }

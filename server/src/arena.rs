@@ -3,23 +3,22 @@
 use crate::handover::Handover;
 use crate::history::{Archive, DEFAULT_HISTORY_BYTES, Plan, Settings};
 use crate::inbox::{Inbox, Request};
-use crate::network::{self, NetworkError};
+use crate::network::{Latest, Link, Network, NetworkError};
 use crate::recording::{RecordOptions, Recorder, RecordingError, Tape};
 use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
 use crate::tick_loop::TickLoop;
 use crate::workshop::{Bench, Ready};
 use ballroom_client::Setting;
+pub use protocol::arenas::TICK_RATES_HZ;
 use protocol::command::{Command, Refusal};
 use protocol::keys::{DEFAULT_ARENA, Name};
+use protocol::state::RunState;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::SystemTime;
-
-/// Ticks a simulated second that an arena may have.
-pub const TICK_RATES_HZ: std::ops::RangeInclusive<u32> = 1..=1000;
 
 /// How to run an arena.
 #[derive(Clone, Debug)]
@@ -30,6 +29,19 @@ pub struct ArenaOptions {
     pub tick_rate_hz: u32,
     /// Whether to begin with the clock standing.
     pub paused: bool,
+    /// What to record, if anything.
+    pub record: Option<RecordOptions>,
+    /// What the history may take, bytes; 0 for none.
+    pub history_bytes: u64,
+    /// Obeyed before the first tick, in this order; none may depend on the past.
+    pub first: Vec<Command>,
+    /// Where it can be reached, unless it shares the session of other arenas.
+    pub network: NetworkOptions,
+}
+
+/// Where the arenas of a process can be reached.
+#[derive(Clone, Debug, Default)]
+pub struct NetworkOptions {
     /// Endpoints to listen on; with none, loopback at 7447 or the next free port.
     pub listen: Vec<String>,
     /// Routers to connect to.
@@ -38,12 +50,6 @@ pub struct ArenaOptions {
     pub config: Option<PathBuf>,
     /// Single settings of Zenoh, applied last.
     pub settings: Vec<Setting>,
-    /// What to record, if anything.
-    pub record: Option<RecordOptions>,
-    /// What the history may take, bytes; 0 for none.
-    pub history_bytes: u64,
-    /// Obeyed before the first tick, in this order; none may depend on the past.
-    pub first: Vec<Command>,
 }
 
 impl Default for ArenaOptions {
@@ -52,13 +58,10 @@ impl Default for ArenaOptions {
             arena: DEFAULT_ARENA.parse().expect("a valid name"),
             tick_rate_hz: 60,
             paused: false,
-            listen: Vec::new(),
-            connect: Vec::new(),
-            config: None,
-            settings: Vec::new(),
             record: None,
             history_bytes: DEFAULT_HISTORY_BYTES,
             first: Vec::new(),
+            network: NetworkOptions::default(),
         }
     }
 }
@@ -81,6 +84,9 @@ pub enum ArenaError {
     /// A command that was to be obeyed before the first tick cannot be.
     #[error("it cannot begin like this: {0}")]
     First(Refusal),
+    /// There is no place of that name.
+    #[error("{0}")]
+    Name(String),
     /// No thread could be started.
     #[error("no thread could be started: {0}")]
     Thread(#[from] std::io::Error),
@@ -90,20 +96,40 @@ pub enum ArenaError {
 pub struct Arena;
 
 impl Arena {
-    /// Loads the scene, opens the session, and starts ticking.
+    /// Loads the scene, opens a session of its own, and starts ticking.
     pub fn start(scene: &SceneText, options: &ArenaOptions) -> Result<ArenaHandle, ArenaError> {
+        let simulation = Self::set_up(scene, options)?;
+        let link = Link::open(&options.network)?;
+        let mut handle = Self::run(simulation, options, &link)?;
+        handle.own_link = Some(link);
+        Ok(handle)
+    }
+
+    /// Loads the scene and starts ticking on a session that others share.
+    pub(crate) fn start_on(
+        link: &Link,
+        scene: &SceneText,
+        options: &ArenaOptions,
+    ) -> Result<ArenaHandle, ArenaError> {
+        Self::run(Self::set_up(scene, options)?, options, link)
+    }
+
+    fn set_up(scene: &SceneText, options: &ArenaOptions) -> Result<Simulation, ArenaError> {
         if !TICK_RATES_HZ.contains(&options.tick_rate_hz) {
             return Err(ArenaError::Rate(options.tick_rate_hz));
         }
-        let simulation = Simulation::new(Arc::new(scene.load()?), options.tick_rate_hz, first_epoch())?;
+        Ok(Simulation::new(Arc::new(scene.load()?), options.tick_rate_hz, first_epoch())?)
+    }
+
+    fn run(simulation: Simulation, options: &ArenaOptions, link: &Link) -> Result<ArenaHandle, ArenaError> {
         let inbox = Arc::new(Inbox::default());
         let handover = Arc::new(Handover::new());
+        handover.set_run_state(if options.paused { RunState::Paused } else { RunState::Playing });
         let stop = Arc::new(AtomicBool::new(false));
         give_first(&options.first, &simulation, &inbox)?;
         let (archive, diary) = Archive::new(&simulation, Settings::live(options.history_bytes));
-        let network =
-            network::Network::open(options, &simulation, &inbox, handover.clone(), archive.clone())?;
-        let endpoints = network.endpoints().to_vec();
+        let network = Network::open(link, options, &simulation, &inbox, handover.clone(), archive.clone())?;
+        let latest = network.latest().clone();
         let (tape, recorder) = match &options.record {
             Some(record) => {
                 let (recorder, tape) = Recorder::create(record, &simulation)?;
@@ -120,7 +146,14 @@ impl Arena {
             std::thread::Builder::new().name("publish".into()).spawn(move || network.run())?,
             std::thread::Builder::new().name("history".into()).spawn(move || archive.run())?,
         ];
-        Ok(ArenaHandle { endpoints, stop, threads, recorder })
+        Ok(ArenaHandle {
+            endpoints: link.endpoints().to_vec(),
+            stop,
+            threads,
+            recorder,
+            latest,
+            own_link: None,
+        })
     }
 }
 
@@ -157,6 +190,9 @@ pub struct ArenaHandle {
     threads: Vec<JoinHandle<()>>,
     /// Apart: a recording that ends early does not end the arena.
     recorder: Option<JoinHandle<()>>,
+    latest: Arc<Latest>,
+    /// The session, if no other arena uses it.
+    own_link: Option<Link>,
 }
 
 impl ArenaHandle {
@@ -170,6 +206,17 @@ impl ArenaHandle {
         &self.endpoints
     }
 
+    /// What questions about it are answered from.
+    pub(crate) const fn latest(&self) -> &Arc<Latest> {
+        &self.latest
+    }
+
+    /// Has one of its threads end as by a fault.
+    #[cfg(test)]
+    pub(crate) fn break_down(&mut self) {
+        self.threads.push(std::thread::spawn(|| panic!("broken on purpose")));
+    }
+
     /// Asks it to stop.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
@@ -180,6 +227,11 @@ impl ArenaHandle {
         self.threads.iter().any(JoinHandle::is_finished)
     }
 
+    /// Whether it was asked to end by a client, and ends in order.
+    pub fn has_quit(&self) -> bool {
+        self.latest.state().state == RunState::Quitting
+    }
+
     /// Stops it and waits for the end; false when one of its threads had panicked.
     pub fn join(mut self) -> bool {
         self.finish()
@@ -188,11 +240,16 @@ impl ArenaHandle {
     fn finish(&mut self) -> bool {
         self.stop();
         // Not short-circuiting: every thread is waited for.
-        self.threads
+        let well = self
+            .threads
             .drain(..)
             .chain(self.recorder.take())
             .map(JoinHandle::join)
-            .fold(true, |well, ended| well & ended.is_ok())
+            .fold(true, |well, ended| well & ended.is_ok());
+        if let Some(link) = self.own_link.take() {
+            link.close();
+        }
+        well
     }
 }
 

@@ -1,11 +1,14 @@
 //! What an arena understands, with limits, and the scenes that come with it.
 
 use crate::arena::TICK_RATES_HZ;
+use crate::arenas::MAX_RECORDINGS;
+use crate::checker::MAX_CHECKS;
 use crate::history::{MAX_POINTS, MAX_SLOT_BYTES};
 use crate::inbox::INBOX_CAPACITY;
 use crate::players::{DRIVES_PER_S, MESSAGES_PER_S};
 use crate::scene_file::{SceneText, built_in_names};
 use crate::workshop::MAX_JOBS;
+use protocol::arenas::MAX_ARENAS;
 use protocol::change::{MAX_CHANGED_BALLS, MAX_MOVED_POINTS, MAX_SET_PARAMETERS};
 use protocol::codec::{MAX_BALLS, MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
 use protocol::command::{MAX_RUN_TICKS, MAX_SET_BALLS, MAX_STEP_TICKS, SPEED_FACTORS};
@@ -13,8 +16,31 @@ use protocol::listing::{Features, MAX_ROWS, SceneEntry, Scenes};
 use protocol::player::{
     LEASE_MILLIS, MAX_CLAIM_BYTES, MAX_DRIVE_BYTES, MAX_PLAYERS, MAX_TICKS_AHEAD, MAX_WINDOW,
 };
+use protocol::report::{MAX_READERS, MAX_REPORT_BYTES};
 use protocol::scene::MAX_TAGS;
 use protocol::timeline::{MAX_REWIND_S, MAX_SLOTS, MAX_WORDS_BYTES};
+
+/// Features of ROS `simulation_interfaces`: name, number, and the command or question by which a bridge offers it.
+const ROS: [(&str, u8, &str); 18] = [
+    ("SPAWNING", 0, "spawn"),
+    ("DELETING", 1, "delete"),
+    ("ENTITY_BOUNDS", 5, "balls"),
+    ("ENTITY_STATE_GETTING", 10, "balls"),
+    ("ENTITY_STATE_SETTING", 11, "set_balls"),
+    ("SIMULATION_RESET", 20, "reset"),
+    ("SIMULATION_RESET_TIME", 21, "reset"),
+    ("SIMULATION_RESET_STATE", 22, "reset"),
+    ("SIMULATION_RESET_SPAWNED", 23, "spawn"),
+    ("SIMULATION_STATE_GETTING", 24, "state"),
+    ("SIMULATION_STATE_SETTING", 25, "set_state"),
+    ("SIMULATION_STATE_PAUSE", 26, "set_state"),
+    ("STEP_SIMULATION_SINGLE", 31, "step"),
+    ("STEP_SIMULATION_MULTIPLE", 32, "step"),
+    ("WORLD_LOADING", 40, "load_scene"),
+    ("WORLD_RESOURCE_STRING", 41, "load_scene"),
+    ("WORLD_INFO_GETTING", 44, "scene"),
+    ("AVAILABLE_WORLDS", 45, "scenes"),
+];
 
 /// What is supported.
 pub fn features() -> Features {
@@ -29,6 +55,7 @@ pub fn features() -> Features {
         ("steer", of(&[queue, short])),
         ("pause", of(&[queue, short])),
         ("resume", of(&[queue, short])),
+        ("set_state", of(&[jobs, short])),
         ("step", of(&[queue, short, ("max_ticks", MAX_STEP_TICKS as f64)])),
         ("run_until", of(&[queue, short, ("max_ticks", MAX_RUN_TICKS as f64)])),
         ("speed", of(&[queue, short, ("min_factor", slowest), ("max_factor", fastest), rates])),
@@ -45,6 +72,7 @@ pub fn features() -> Features {
         ),
         ("load_state", of(&[jobs, long, ("max_words_bytes", MAX_WORDS_BYTES as f64)])),
         ("load_scene", of(&[jobs, long, ("max_balls", MAX_BALLS as f64)])),
+        ("reload_scene", of(&[jobs, short])),
     ];
     // The rest is of the messages of whoever was given a ball.
     let claim = [
@@ -62,6 +90,7 @@ pub fn features() -> Features {
         ("scene", of(&[])),
         ("stats", of(&[])),
         ("info", of(&[])),
+        ("state", of(&[])),
         ("features", of(&[])),
         ("scenes", of(&[])),
         ("parameters", of(&[])),
@@ -71,8 +100,23 @@ pub fn features() -> Features {
         ("players", of(&[])),
         ("release", of(&[("max_bytes", MAX_CLAIM_BYTES as f64)])),
         ("claim", of(&claim)),
+        ("check", of(&[long, ("max_waiting", MAX_CHECKS as f64)])),
+        (
+            "clients",
+            of(&[("max_readers", MAX_READERS as f64), ("max_report_bytes", MAX_REPORT_BYTES as f64)]),
+        ),
+        (
+            "@arenas",
+            of(&[long, ("max_arenas", MAX_ARENAS as f64), ("max_recordings", MAX_RECORDINGS as f64)]),
+        ),
     ];
+    let is_there = |word: &str| {
+        commands.iter().any(|(name, _)| *name == word) || questions.iter().any(|(name, _)| *name == word)
+    };
+    let ros = ROS.iter().filter(|(_, _, needs)| is_there(needs));
+    let ros = ros.map(|(name, number, _)| ((*name).to_owned(), *number)).collect();
     Features {
+        ros,
         commands: commands.into_iter().map(|(name, limits)| (name.to_owned(), limits)).collect(),
         questions: questions.into_iter().map(|(name, limits)| (name.to_owned(), limits)).collect(),
     }

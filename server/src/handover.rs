@@ -4,7 +4,9 @@
 use crate::inbox::Answered;
 use crate::simulation::{NumberedHit, Stage};
 use protocol::snapshot::Snapshot;
+use protocol::state::RunState;
 use protocol::stats::Stats;
+use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -57,6 +59,7 @@ struct Shelf {
 pub struct Handover {
     shelf: Mutex<Shelf>,
     filled: Condvar,
+    run_state: AtomicU8,
 }
 
 impl Handover {
@@ -69,6 +72,16 @@ impl Handover {
 
     fn lock(&self) -> MutexGuard<'_, Shelf> {
         self.shelf.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Says what the clock does; whoever is answered afterwards finds it so.
+    pub fn set_run_state(&self, state: RunState) {
+        self.run_state.store(state.number(), Ordering::Release);
+    }
+
+    /// What the clock does.
+    pub fn run_state(&self) -> RunState {
+        RunState::of_number(self.run_state.load(Ordering::Acquire)).unwrap_or_default()
     }
 
     /// A buffer to write the next state into.

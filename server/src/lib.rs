@@ -12,6 +12,7 @@
 //! | [`change`] | a world becomes another one while it runs |
 //! | [`parameters`] | numbers of a scene that may be read, and some of them set |
 //! | [`workshop`] | what takes longer than a tick has, made ready on a thread of its own |
+//! | [`checker`] | scenes that are asked about |
 //! | [`features`] | what is understood, with limits |
 //! | [`bucket`] | how many messages one source may send |
 //! | [`inbox`] | commands as they arrive: bounded, in order |
@@ -27,10 +28,13 @@
 //! | `network` | the only place that names Zenoh |
 //! | [`terminal`] | keys in, a few lines out, for whoever plays in a terminal |
 //! | [`arena`] | all of it together |
+//! | [`arenas`] | several of them in one process |
 
 pub mod arena;
+pub mod arenas;
 pub mod bucket;
 pub mod change;
+pub mod checker;
 pub mod checkpoint_file;
 pub mod features;
 pub mod handover;
@@ -50,6 +54,7 @@ pub mod wanted;
 pub mod workshop;
 pub mod world;
 
-pub use arena::{Arena, ArenaError, ArenaHandle, ArenaOptions};
+pub use arena::{Arena, ArenaError, ArenaHandle, ArenaOptions, NetworkOptions};
+pub use arenas::Arenas;
 pub use network::NetworkError;
 pub use scene_file::{LoadedScene, SceneError, SceneText};

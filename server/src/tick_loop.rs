@@ -9,7 +9,7 @@ use crate::recording::Tape;
 use crate::simulation::{NumberedHit, Simulation};
 use crate::wanted::{Moment, WANTED_CAPACITY};
 use crate::workshop::Ready;
-use protocol::command::{Command, MAX_RUN_TICKS, Refusal, Reply, Scope, SpeedFactor, code};
+use protocol::command::{Command, MAX_RUN_TICKS, Refusal, Reply, RunState, Scope, SpeedFactor, code};
 use protocol::stats::Stats;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,6 +28,7 @@ pub struct TickLoop {
     handover: Arc<Handover>,
     stop: Arc<AtomicBool>,
     paused: bool,
+    state: RunState,
     speed_factor: f64,
     as_fast_as_possible: bool,
     /// When the next tick is due, while the clock runs.
@@ -65,6 +66,7 @@ impl TickLoop {
             handover,
             stop,
             paused,
+            state: if paused { RunState::Paused } else { RunState::Playing },
             speed_factor: 1.0,
             as_fast_as_possible: false,
             due: Instant::now(),
@@ -103,6 +105,9 @@ impl TickLoop {
         while !self.stop.load(Ordering::Relaxed) {
             let touched = self.apply_commands();
             self.diary.show(&self.simulation);
+            if self.state == RunState::Quitting {
+                break;
+            }
             let now = Instant::now();
             if self.stepping.is_some() {
                 self.make_steps(now + SLICE);
@@ -163,6 +168,9 @@ impl TickLoop {
     }
 
     fn tick(&mut self) {
+        if self.state == RunState::Stopped {
+            self.enter(RunState::Paused);
+        }
         self.simulation.advance();
         self.tape.ticked(&self.simulation, self.paused);
         self.diary.ticked(&self.simulation);
@@ -230,16 +238,9 @@ impl TickLoop {
                 let steered = self.simulation.steer(ball.as_deref(), *direction, *mode);
                 steered.map_err(|why| Refusal::new(code::NOT_FOUND, why))
             }
-            Command::Pause {} => {
-                self.interrupt_stepping("paused");
-                self.paused = true;
-                Ok(())
-            }
-            Command::Resume {} => {
-                self.interrupt_stepping("resumed");
-                self.paused = false;
-                Ok(())
-            }
+            Command::Pause {} => self.set_state(RunState::Paused, ready),
+            Command::Resume {} => self.set_state(RunState::Playing, ready),
+            Command::SetState { state } => self.set_state(*state, ready),
             Command::Step { .. } | Command::RunUntil { .. } => match self.last_tick(&command) {
                 Ok(last_tick) => {
                     self.inbox.count_accepted();
@@ -264,7 +265,8 @@ impl TickLoop {
             | Command::Reset { .. }
             | Command::Rewind(_)
             | Command::LoadState { .. }
-            | Command::LoadScene { .. } => self.change_world(&command, ready),
+            | Command::LoadScene { .. }
+            | Command::ReloadScene {} => self.change_world(&command, ready),
             Command::SaveState { slot } => self.save(slot, ready),
             Command::Speed { factor } => {
                 self.set_speed(*factor);
@@ -285,6 +287,21 @@ impl TickLoop {
             let reply = self.reply(done);
             self.answers.push(Answered { answer, reply });
         }
+    }
+
+    fn set_state(&mut self, state: RunState, ready: Ready) -> Result<(), Refusal> {
+        self.interrupt_stepping(state.name());
+        self.paused = state != RunState::Playing;
+        if state == RunState::Stopped {
+            self.change_world(&Command::Reset { scope: Scope::All, seed: None }, ready)?;
+        }
+        self.enter(state);
+        Ok(())
+    }
+
+    fn enter(&mut self, state: RunState) {
+        self.state = state;
+        self.handover.set_run_state(state);
     }
 
     /// Where steps that were asked for shall end.

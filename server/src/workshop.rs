@@ -9,7 +9,7 @@ use crate::simulation::{Moment, Simulation};
 use crate::world::{Present, World};
 use ballroom_physics::Seat;
 use protocol::codec::{self, CodecError};
-use protocol::command::{Command, Refusal, Scope, code};
+use protocol::command::{Command, Refusal, RunState, Scope, code};
 use protocol::listing::Selection;
 use protocol::timeline::SavedState;
 use std::sync::Arc;
@@ -41,12 +41,18 @@ pub enum Ready {
 pub struct Bench {
     present: Arc<Present>,
     tick_rate_hz: u32,
+    /// What the arena was started with.
+    origin: SceneText,
 }
 
 impl Bench {
     /// For an arena that begins like this.
     pub fn new(simulation: &Simulation) -> Self {
-        Self { present: simulation.present().clone(), tick_rate_hz: simulation.tick_rate_hz() }
+        Self {
+            present: simulation.present().clone(),
+            tick_rate_hz: simulation.tick_rate_hz(),
+            origin: simulation.loaded().source().clone(),
+        }
     }
 
     /// What `command` needs.
@@ -71,17 +77,22 @@ impl Bench {
             Command::Reset { scope: Scope::Spawned, .. } if !world.roster().spawned.is_empty() => {
                 change(deletion(&world, &Selection { spawned: Some(true), ..Selection::default() }))
             }
+            Command::SetState { state: RunState::Stopped } => {
+                self.prepare(&Command::Reset { scope: Scope::All, seed: None })
+            }
+            Command::ReloadScene {} => self.world(&self.origin.reopen().map_err(|error| bad_scene(&error))?),
             Command::Reset { scope: Scope::All, seed }
                 if seed.is_some() || world.loaded().source().seed().is_some() =>
             {
                 self.world(&world.loaded().source().clone().with_seed(*seed))
             }
-            Command::LoadScene { name: Some(name), .. } => {
-                let text = SceneText::built_in(name);
-                self.world(&text.map_err(|error| Refusal::new(code::NOT_FOUND, error.to_string()))?)
-            }
-            Command::LoadScene { toml, .. } => {
-                self.world(&SceneText::new("toml", toml.clone().unwrap_or_default()))
+            Command::LoadScene { name, toml, balls } => {
+                let text = match name {
+                    Some(name) => SceneText::built_in(name)
+                        .map_err(|error| Refusal::new(code::NOT_FOUND, error.to_string()))?,
+                    None => SceneText::new("toml", toml.clone().unwrap_or_default()),
+                };
+                self.world(&text.with_balls(*balls))
             }
             _ => Ok(Ready::Nothing),
         }
@@ -91,6 +102,13 @@ impl Bench {
         let loaded = Arc::new(text.load().map_err(|error| bad_scene(&error))?);
         let world = Simulation::new(loaded, self.tick_rate_hz, 0).map_err(|error| bad_scene(&error))?;
         Ok(Ready::World(Box::new(world)))
+    }
+
+    /// The command as a recording can repeat it: what was read from a file is in it.
+    fn spelled_out(command: Command, ready: &Ready) -> Command {
+        let (Command::ReloadScene {}, Ready::World(next)) = (&command, ready) else { return command };
+        let source = next.loaded().source();
+        Command::LoadScene { name: None, toml: Some(source.text().to_owned()), balls: source.balls() }
     }
 }
 
@@ -227,7 +245,7 @@ fn make_ready(
 ) -> Result<(Command, Ready), Refusal> {
     if !command.needs_the_past() {
         let ready = bench.prepare(&command)?;
-        return Ok((command, ready));
+        return Ok((Bench::spelled_out(command, &ready), ready));
     }
     let planned = archive.plan(command, ready_so_far);
     let (command, plan) = planned.unwrap_or_else(|| Err(Refusal::new(code::ENDING, ENDING)))?;

@@ -4,7 +4,7 @@ use anyhow::{Result, bail};
 use ballroom_client::{Client, ClientOptions, DEFAULT_ENDPOINT, Patience, Setting};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
-use protocol::keys::{DEFAULT_ARENA, Name};
+use protocol::keys::{DEFAULT_ARENA, Name, Role};
 use rerun::external::re_uri::ProxyUri;
 use std::net::IpAddr;
 use std::path::PathBuf;
@@ -87,6 +87,7 @@ fn run(arguments: Arguments) -> Result<()> {
         settings: arguments.cfg,
         arena: arguments.arena,
         patience: Patience::WaitForServer,
+        role: Role::Viewer,
         ..ClientOptions::default()
     };
     process::on_signal(options.abort.clone(), || {})?;

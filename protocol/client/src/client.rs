@@ -3,15 +3,19 @@
 use crate::feed::{Feed, Presences};
 use crate::follow::Follower;
 use crate::options::{ClientOptions, Patience};
+use protocol::arenas::{ArenaCommand, Arenas, COMMAND_KEY, LIST_KEY};
+use protocol::check::Check;
 use protocol::codec::{self, CodecError};
-use protocol::command::{Command, CommandFault, Reply};
+use protocol::command::{Command, CommandFault, Reply, code};
 use protocol::event::Events;
 use protocol::keys::{Keys, Name, Role};
 use protocol::listing::{Balls, Features, Scenes, Selection};
 use protocol::parameter::Parameters;
 use protocol::player::Players;
+use protocol::report::Clients;
 use protocol::scene::Scene;
 use protocol::snapshot::{Snapshot, World};
+use protocol::state::State;
 use protocol::stats::Stats;
 use protocol::timeline::{Rewind, SavedState, Timeline};
 use std::sync::Arc;
@@ -67,6 +71,8 @@ pub enum ClientError {
         question: String,
         /// In its words.
         why: String,
+        /// One of [`code`](protocol::command::code).
+        code: u16,
     },
     /// The configuration is unusable.
     #[error("Zenoh does not accept {what}: {why}")]
@@ -132,9 +138,13 @@ impl Client {
             std::thread::sleep(pause);
             pause = pause.mul_f64(1.5).min(RETRY[1]);
         };
+        Self::of_session(session, options).map(|client| Self { opened, ..client })
+    }
+
+    fn of_session(session: zenoh::Session, options: ClientOptions) -> Result<Self, ClientError> {
         let keys = Keys::new(&options.arena);
         let commands = session.declare_querier(keys.srv_command()).timeout(options.timeout).wait()?;
-        Ok(Self { session, keys, commands: Arc::new(commands), options, opened })
+        Ok(Self { session, keys, commands: Arc::new(commands), options, opened: Instant::now() })
     }
 
     /// The keys of this client's arena.
@@ -236,6 +246,52 @@ impl Client {
         Ok(codec::decode_saved_state(&self.ask(&format!("{}{words}", self.keys.srv_checkpoint()))?)?)
     }
 
+    /// What the clock does.
+    pub fn state(&self) -> Result<State, ClientError> {
+        Ok(codec::decode_json(&self.ask(&self.keys.srv_state())?)?)
+    }
+
+    /// The arenas of the server's process.
+    pub fn arenas(&self) -> Result<Arenas, ClientError> {
+        Ok(codec::decode_json(&self.ask(LIST_KEY)?)?)
+    }
+
+    /// Starts or stops an arena of the server's process and waits until that is done. It is sent once.
+    pub fn arena_command(&self, command: &ArenaCommand) -> Result<Reply, ClientError> {
+        command.check()?;
+        // Who answers this is there to be commanded.
+        self.arenas()?;
+        let (answers, inbox) = sync_channel(MAX_ANSWERS);
+        let question = self.session.get(COMMAND_KEY).payload(codec::encode_json(command));
+        let question = question.encoding(Encoding::APPLICATION_JSON).timeout(self.options.timeout);
+        question.callback(move |reply| drop(answers.try_send(reply))).wait()?;
+        let bytes = first_answer(&inbox, COMMAND_KEY, self.options.timeout)?;
+        Ok(codec::decode_json(&bytes.ok_or(ClientError::Lost { question: COMMAND_KEY.into() })?)?)
+    }
+
+    /// The same session with another arena of the server.
+    pub fn of_arena(&self, arena: &Name) -> Result<Self, ClientError> {
+        let options = ClientOptions { arena: arena.clone(), ..self.options.clone() };
+        Self::of_session(self.session.clone(), options)
+    }
+
+    /// Whether the text of a scene file could be run, without touching what runs.
+    pub fn check(&self, toml: &str) -> Result<Check, ClientError> {
+        let (answers, inbox) = sync_channel(MAX_ANSWERS);
+        // Who answers this is there to be asked.
+        self.state()?;
+        let key = self.keys.srv_check();
+        let question = self.session.get(&key).payload(toml).timeout(self.options.timeout);
+        question.callback(move |reply| drop(answers.try_send(reply))).wait()?;
+        let bytes = first_answer(&inbox, &key, self.options.timeout)?;
+        Ok(codec::decode_json(&bytes.ok_or(ClientError::Lost { question: key })?)?)
+    }
+
+    /// Who reads the states, and how they come.
+    pub fn clients(&self) -> Result<Clients, ClientError> {
+        Ok(codec::decode_json(&self.ask(&self.keys.srv_clients())?)?)
+    }
+
     /// What the server understands, with limits.
     pub fn features(&self) -> Result<Features, ClientError> {
         Ok(codec::decode_json(&self.ask(&self.keys.srv_features())?)?)
@@ -269,9 +325,15 @@ impl Client {
         Ok(())
     }
 
-    /// States, newest only: what is not read in time is overtaken by the next.
+    /// States, newest only: what is not read in time is overtaken by the next. While it is read, the server is told
+    /// once a second how they come.
     pub fn subscribe_state(&self) -> Result<Feed<Snapshot>, ClientError> {
-        Feed::subscribe(&self.session, &self.keys.state(), 1, codec::decode_state)
+        let states = Feed::subscribe(&self.session, &self.keys.state(), 1, codec::decode_state)?;
+        let own = || self.session.zid().to_string().parse().ok();
+        match self.options.id.clone().or_else(own) {
+            Some(id) => states.reporting(&self.session, self.keys.report(self.options.role, &id)),
+            None => Ok(states),
+        }
     }
 
     /// Hits. They are numbered, so a reader that falls far behind sees what it missed.
@@ -371,9 +433,12 @@ fn first_answer(
             Ok(sample) => Ok(Some(sample.payload().to_bytes().into_owned())),
             Err(error) => match error.payload().try_to_string() {
                 Ok(why) if why == "Timeout" => Err(no_answer()),
-                why => {
-                    let why = why.map_or_else(|_| "no text".to_owned(), std::borrow::Cow::into_owned);
-                    Err(ClientError::Refused { question: key.to_owned(), why })
+                text => {
+                    let text = text.map_or_else(|_| "no text".to_owned(), std::borrow::Cow::into_owned);
+                    // What Zenoh itself says is no reply of the server.
+                    let (why, code) = codec::decode_json(text.as_bytes())
+                        .map_or((text, code::OPERATION_FAILED), |reply: Reply| (reply.error, reply.code));
+                    Err(ClientError::Refused { question: key.to_owned(), why, code })
                 }
             },
         },

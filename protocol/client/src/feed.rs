@@ -2,6 +2,7 @@
 //! would stall the whole session.
 
 use crate::client::ClientError;
+use crate::meter::{Meter, Metered, Reporter};
 use protocol::codec::CodecError;
 use protocol::keys::Name;
 use std::time::{Duration, Instant};
@@ -17,6 +18,8 @@ pub struct Feed<T> {
     subscriber: RingSubscriber,
     decode: fn(&[u8]) -> Result<T, CodecError>,
     unreadable: u64,
+    meter: Meter,
+    reporter: Option<Reporter>,
 }
 
 impl<T> Feed<T> {
@@ -26,14 +29,34 @@ impl<T> Feed<T> {
         depth: usize,
         decode: fn(&[u8]) -> Result<T, CodecError>,
     ) -> Result<Self, ClientError> {
-        let subscriber = session.declare_subscriber(key.to_owned()).with(RingChannel::new(depth)).wait()?;
-        Ok(Self { subscriber, decode, unreadable: 0 })
+        let meter = Meter::default();
+        let ring = Metered { depth, meter: meter.clone() };
+        let subscriber = session.declare_subscriber(key.to_owned()).with(ring).wait()?;
+        Ok(Self { subscriber, decode, unreadable: 0, meter, reporter: None })
+    }
+
+    /// The same; how it comes is told under `key`.
+    pub(crate) fn reporting(mut self, session: &zenoh::Session, key: String) -> Result<Self, ClientError> {
+        self.reporter = Some(Reporter::new(session, key, self.meter.clone())?);
+        Ok(self)
     }
 
     /// The next message, waiting at most `timeout`. Messages that cannot be read are counted and passed over.
     pub fn recv_timeout(&mut self, timeout: Duration) -> Result<Option<T>, ClientError> {
         let deadline = Instant::now() + timeout;
-        while let Some(sample) = self.subscriber.recv_deadline(deadline)? {
+        loop {
+            let until = self.reporter.as_ref().map_or(deadline, |reporter| reporter.due().min(deadline));
+            let sample = self.subscriber.recv_deadline(until)?;
+            if let Some(reporter) = &mut self.reporter {
+                reporter.report();
+            }
+            let Some(sample) = sample else {
+                if until < deadline {
+                    continue;
+                }
+                return Ok(None);
+            };
+            self.meter.read();
             match (self.decode)(&sample.payload().to_bytes()) {
                 Ok(message) => return Ok(Some(message)),
                 Err(e) => {
@@ -42,7 +65,6 @@ impl<T> Feed<T> {
                 }
             }
         }
-        Ok(None)
     }
 
     /// The next message if it is already here.

@@ -5,6 +5,7 @@
 //! | `options` | where the server is, how long to wait for it, when to stop waiting |
 //! | `client` | commands, questions, presses |
 //! | `feed` | what the server publishes, newest first, never blocking the session |
+//! | `meter` | how the states come, told to the server once a second |
 //! | `follow` | the world and then its states, through late joins, resets and restarts of the server |
 //! | `driver` | a claimed ball: commands go out again and again until they are acknowledged |
 //! | `renewal` | how often a held force is renewed |
@@ -16,6 +17,7 @@ mod client;
 mod driver;
 mod feed;
 mod follow;
+mod meter;
 mod options;
 mod renewal;
 mod window;

@@ -1,7 +1,7 @@
 //! Where the server is, how long to wait for it, and when to stop waiting.
 
 use crate::client::ClientError;
-use protocol::keys::{DEFAULT_ARENA, Name};
+use protocol::keys::{DEFAULT_ARENA, Name, Role};
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -28,6 +28,10 @@ pub struct ClientOptions {
     pub timeout: Duration,
     /// Ends waiting and following from another thread.
     pub abort: Abort,
+    /// As what it tells the server how it reads.
+    pub role: Role,
+    /// Under which name; the session's own number when absent.
+    pub id: Option<Name>,
 }
 
 impl Default for ClientOptions {
@@ -41,6 +45,8 @@ impl Default for ClientOptions {
             patience: Patience::default(),
             timeout: Duration::from_secs(5),
             abort: Abort::default(),
+            role: Role::default(),
+            id: None,
         }
     }
 }

@@ -1,7 +1,8 @@
-//! `pause`, `resume`, `step`, `run-until`, `reset` and `speed`: what they do to the clock is one line each.
+//! `pause`, `resume`, `state`, `step`, `run-until`, `reset` and `speed`: what they do to the clock is one line each.
 
 use super::connection::{ANSWER_TIMEOUT, Asked, LONG_TIMEOUT};
-use protocol::command::{Command, Scope, SpeedFactor, SpeedName};
+use protocol::command::{Command, RunState, Scope, SpeedFactor, SpeedName};
+use std::io::Write;
 
 /// Stop the clock
 #[derive(clap::Args)]
@@ -13,6 +14,23 @@ pub struct Pause {
 /// Let the clock run
 #[derive(clap::Args)]
 pub struct Resume {
+    #[command(flatten)]
+    asked: Asked,
+}
+
+/// Say what the clock does, or set it
+#[derive(clap::Args)]
+#[command(after_help = "\
+States: stopped = paused, and everything reset; playing; paused; quitting = this arena ends, and the server with its last.
+The words and numbers are those of ROS simulation_interfaces.
+
+Examples:
+  ballroom state
+  ballroom state stopped
+  ballroom state quitting --arena left")]
+pub struct State {
+    /// stopped, playing, paused or quitting
+    state: Option<RunState>,
     #[command(flatten)]
     asked: Asked,
 }
@@ -88,6 +106,23 @@ impl Pause {
 impl Resume {
     pub fn run(self) -> anyhow::Result<()> {
         self.asked.command(&Command::Resume {}, ANSWER_TIMEOUT)
+    }
+}
+
+impl State {
+    pub fn run(self) -> anyhow::Result<()> {
+        if let Some(state) = self.state {
+            return self.asked.command(&Command::SetState { state }, LONG_TIMEOUT);
+        }
+        let state = self.asked.client(ANSWER_TIMEOUT)?.state()?;
+        let mut out = std::io::stdout();
+        if self.asked.wants_json() {
+            writeln!(out, "{}", serde_json::to_string(&state)?)?;
+        } else {
+            let name = state.state.name();
+            writeln!(out, "{name} at tick {} of epoch {}, {} s", state.tick, state.epoch, state.time_s)?;
+        }
+        Ok(())
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::exit::Refused;
 use ballroom_client::{Abort, Client, ClientOptions, Setting};
-use protocol::command::Command;
+use protocol::arenas::ArenaCommand;
+use protocol::command::{Command, Reply};
 use protocol::keys::Name;
 use std::io::Write;
 use std::path::PathBuf;
@@ -64,14 +65,29 @@ impl Asked {
         &self.connection
     }
 
-    /// Whether answers shall be JSON.
-    pub const fn is_json(&self) -> bool {
+    /// A session with the server.
+    pub fn client(&self, timeout: Duration) -> anyhow::Result<Client> {
+        self.connection.open(Abort::default(), timeout)
+    }
+
+    /// Whether answers are wanted as JSON.
+    pub const fn wants_json(&self) -> bool {
         self.json
     }
 
     /// Sends a command and says what came of it.
     pub fn command(&self, command: &Command, timeout: Duration) -> anyhow::Result<()> {
-        let reply = self.connection.open(Abort::default(), timeout)?.command(command)?;
+        let reply = self.client(timeout)?.command(command)?;
+        self.tell(reply)
+    }
+
+    /// Sends a command to the process and says what came of it.
+    pub fn arena_command(&self, command: &ArenaCommand, timeout: Duration) -> anyhow::Result<()> {
+        let reply = self.client(timeout)?.arena_command(command)?;
+        self.tell(reply)
+    }
+
+    fn tell(&self, reply: Reply) -> anyhow::Result<()> {
         let mut out = std::io::stdout();
         if self.json {
             writeln!(out, "{}", serde_json::to_string(&reply)?)?;

@@ -26,7 +26,10 @@ pub fn code_of(error: &anyhow::Error) -> ExitCode {
         error.is::<SceneError>() || matches!(error.downcast_ref::<ArenaError>(), Some(ArenaError::Scene(_)));
     if error.downcast_ref::<ClientError>().is_some_and(ClientError::is_no_server) {
         ExitCode::from(3)
-    } else if error.is::<UnknownCase>() || matches!(error.downcast_ref(), Some(ClientError::Command(_))) {
+    } else if error.is::<UnknownCase>()
+        || matches!(error.downcast_ref(), Some(ClientError::Command(_)))
+        || matches!(error.downcast_ref(), Some(ArenaError::Name(_)))
+    {
         ExitCode::from(2)
     } else if error.is::<Refused>() {
         ExitCode::from(4)

@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand, and what they share.
 
+mod arenas;
 mod ball_count;
 mod balls;
 mod check;
@@ -10,6 +11,7 @@ mod exit;
 mod floor;
 mod hardcases;
 mod lines;
+mod metrics;
 mod numbers;
 mod pad;
 mod parameters;
@@ -18,10 +20,12 @@ mod players;
 mod replay;
 mod resume;
 mod serve;
+mod sight;
 mod signals;
 mod simulate;
 mod steer;
 mod timeline;
+mod top;
 mod watch;
 mod world;
 
@@ -53,10 +57,12 @@ struct Cli {
 #[derive(Subcommand)]
 enum Subcommands {
     Serve(serve::Serve),
+    Arenas(Box<arenas::Arenas>),
     Check(check::Check),
     Steer(steer::Steer),
     Pause(clock::Pause),
     Resume(clock::Resume),
+    State(clock::State),
     Step(clock::Step),
     RunUntil(clock::RunUntil),
     Reset(clock::Reset),
@@ -69,11 +75,14 @@ enum Subcommands {
     LoadState(timeline::LoadState),
     Slots(timeline::Slots),
     Load(world::Load),
+    Reload(world::Reload),
     Scenes(world::Scenes),
     Features(world::Features),
     Play(play::Play),
     Players(players::Players),
     Watch(watch::Watch),
+    Top(top::Top),
+    Metrics(metrics::Metrics),
     Simulate(simulate::Simulate),
     Replay(replay::Replay),
     Hardcases(hardcases::Hardcases),
@@ -92,10 +101,12 @@ pub fn main() -> ExitCode {
         .init();
     let done = match cli.command {
         Subcommands::Serve(serve) => serve.run(),
+        Subcommands::Arenas(arenas) => arenas.run(),
         Subcommands::Check(check) => check.run(),
         Subcommands::Steer(steer) => steer.run(),
         Subcommands::Pause(pause) => pause.run(),
         Subcommands::Resume(resume) => resume.run(),
+        Subcommands::State(state) => state.run(),
         Subcommands::Step(step) => step.run(),
         Subcommands::RunUntil(run) => run.run(),
         Subcommands::Balls(balls) => balls.run(),
@@ -106,6 +117,7 @@ pub fn main() -> ExitCode {
         Subcommands::LoadState(load) => load.run(),
         Subcommands::Slots(slots) => slots.run(),
         Subcommands::Load(load) => load.run(),
+        Subcommands::Reload(reload) => reload.run(),
         Subcommands::Scenes(scenes) => scenes.run(),
         Subcommands::Features(features) => features.run(),
         Subcommands::Reset(reset) => reset.run(),
@@ -113,6 +125,8 @@ pub fn main() -> ExitCode {
         Subcommands::Play(play) => play.run(),
         Subcommands::Players(players) => players.run(),
         Subcommands::Watch(watch) => watch.run(),
+        Subcommands::Top(top) => top.run(),
+        Subcommands::Metrics(metrics) => metrics.run(),
         Subcommands::Simulate(simulate) => simulate.run(),
         Subcommands::Replay(replay) => replay.run(),
         Subcommands::Hardcases(hardcases) => hardcases.run(),

@@ -1,19 +1,21 @@
-//! `serve`: run a scene and serve it until told to stop.
+//! `serve`: run scenes and serve them until told to stop.
 
 use super::ball_count::BallCount;
 use super::connection::ZenohFlags;
 use super::resume::Resumed;
 use super::signals::abort_on_signal;
 use anyhow::bail;
+use protocol::arenas::MAX_ARENAS;
 use protocol::keys::Name;
+use server::arenas::recording_beside;
 use server::history::DEFAULT_HISTORY_BYTES;
 use server::recording::{MAX_HASH_EVERY_TICKS, RecordOptions};
-use server::{Arena, ArenaOptions};
+use server::{ArenaOptions, Arenas, NetworkOptions, SceneText};
 use std::io::Write;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::str::FromStr;
 
-/// Run a scene and serve it over Zenoh; the endpoint goes to stdout
+/// Run scenes and serve them over Zenoh; the endpoint goes to stdout
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -23,11 +25,15 @@ Examples:
   ballroom serve thousand --record ride.mcap
   ballroom serve --resume ride.mcap --record more.mcap
   ballroom serve my_scene.toml -l tcp/127.0.0.1:7500 --paused
+  ballroom serve bowl left=gas right=thousand
 
+NAME=SCENE runs a scene as an arena of that name beside the others; --balls, --rate and --paused are for all of them, and
+--record FILE records each in a file of its own, FILE-NAME. `ballroom arenas` lists, starts and stops arenas later on.
 Without -l it listens on tcp/127.0.0.1:7447, or the next free port, and only this machine can reach it.")]
 pub struct Serve {
-    /// Name of a built-in scene, or a file ending in .toml [default: original, or what is resumed]
-    scene: Option<String>,
+    /// Name of a built-in scene, or a file ending in .toml; NAME=SCENE for several [default: original, or what is resumed]
+    #[arg(value_name = "SCENE", num_args = 0..=MAX_ARENAS)]
+    scenes: Vec<Spec>,
     #[command(flatten)]
     count: BallCount,
     /// Ticks a simulated second [default: 60, or as it was]
@@ -44,7 +50,7 @@ pub struct Serve {
     connect: Vec<String>,
     #[command(flatten)]
     zenoh: ZenohFlags,
-    /// Name of the arena in the keys
+    /// Name in the keys of an arena without one
     #[arg(long, default_value = protocol::keys::DEFAULT_ARENA, value_name = "NAME")]
     arena: Name,
     /// Begin with the clock standing
@@ -81,7 +87,48 @@ impl Recording {
     }
 }
 
+/// A scene, and the arena that runs it.
+#[derive(Clone, Debug)]
+struct Spec {
+    name: Option<Name>,
+    scene: String,
+}
+
+impl FromStr for Spec {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        // A path may hold the sign too; what stands before it is then no name.
+        let parts = text.split_once('=').and_then(|(name, scene)| Some((name.parse().ok()?, scene)));
+        Ok(match parts {
+            Some((name, scene)) => Self { name: Some(name), scene: scene.to_owned() },
+            None => Self { name: None, scene: text.to_owned() },
+        })
+    }
+}
+
 impl Serve {
+    /// The scenes that were named, or what is resumed, each with the name of its arena.
+    fn scenes(&self, found: Option<SceneText>) -> anyhow::Result<Vec<(Name, SceneText)>> {
+        if self.resume.is_some() && self.scenes.len() > 1 {
+            bail!("a run that is resumed is of one scene: name it, or none");
+        }
+        let open = |spec: &Spec| {
+            let name = spec.name.as_ref().unwrap_or(&self.arena);
+            Ok((name.clone(), self.count.open(&spec.scene)?))
+        };
+        let named = self.scenes.iter().map(open).collect::<anyhow::Result<Vec<_>>>()?;
+        if !named.is_empty() {
+            return Ok(named);
+        }
+        let scene = match found {
+            Some(scene) => self.count.of(scene),
+            None if self.resume.is_some() => bail!("name the scene that the run belongs to"),
+            None => self.count.open("original")?,
+        };
+        Ok(vec![(self.arena.clone(), scene)])
+    }
+
     pub fn run(self) -> anyhow::Result<()> {
         let abort = abort_on_signal()?;
         let resumed = self.resume.as_deref().map(|file| Resumed::from_file(file, || abort.is_aborted()));
@@ -89,35 +136,39 @@ impl Serve {
             Some(Resumed { scene, first, tick_rate_hz }) => (scene, first, Some(tick_rate_hz)),
             None => (None, Vec::new(), None),
         };
-        let scene = match (&self.scene, found) {
-            (Some(scene), _) => self.count.open(scene)?,
-            (None, Some(scene)) => self.count.of(scene),
-            (None, None) if self.resume.is_some() => bail!("name the scene that the run belongs to"),
-            (None, None) => self.count.open("original")?,
-        };
-        let options = ArenaOptions {
-            arena: self.arena,
-            tick_rate_hz: self.rate.or(rate).unwrap_or(60),
-            paused: self.paused,
+        let rate_hz = self.rate.or(rate).unwrap_or(60);
+        let scenes = self.scenes(found)?;
+        let network = NetworkOptions {
             listen: self.listen,
             connect: self.connect,
             config: self.zenoh.config,
             settings: self.zenoh.cfg,
-            record: self.recording.options(),
-            history_bytes: self.history << 20,
-            first,
         };
-        let arena = Arena::start(&scene, &options)?;
-        let (endpoint, name) = (arena.endpoint(), &options.arena);
-        tracing::info!("{} runs at {} Hz as arena {name} on {endpoint}", scene.file(), options.tick_rate_hz);
-        // Scripts wait for this line; nobody has to.
-        drop(writeln!(std::io::stdout(), "{endpoint}"));
-        while !abort.is_aborted() && !arena.is_finished() {
-            std::thread::sleep(Duration::from_millis(20));
+        let record = self.recording.options();
+        let mut arenas = Arenas::open(&network, record.clone())?;
+        for (name, scene) in &scenes {
+            let record = match &record {
+                Some(record) if scenes.len() > 1 => Some(recording_beside(record, name)),
+                record => record.clone(),
+            };
+            let options = ArenaOptions {
+                arena: name.clone(),
+                tick_rate_hz: rate_hz,
+                paused: self.paused,
+                record,
+                history_bytes: self.history << 20,
+                first: first.clone(),
+                ..ArenaOptions::default()
+            };
+            arenas.start(scene, &options)?;
+            tracing::info!("{} runs at {rate_hz} Hz as arena {name} on {}", scene.file(), arenas.endpoint());
         }
-        let asked = abort.is_aborted();
-        if !(arena.join() && asked) {
-            bail!("the arena ended by itself; the log says why");
+        // Scripts wait for this line; nobody has to.
+        drop(writeln!(std::io::stdout(), "{}", arenas.endpoint()));
+        let faults = arenas.run(|| abort.is_aborted());
+        if !faults.is_empty() {
+            let names: Vec<&str> = faults.iter().map(Name::as_str).collect();
+            bail!("ended by a fault, which the log names: arena {}", names.join(", "));
         }
         tracing::info!("ended");
         Ok(())

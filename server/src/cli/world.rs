@@ -1,4 +1,4 @@
-//! `load`, `scenes` and `features`: another scene, and what there is to choose from.
+//! `load`, `reload`, `scenes` and `features`: another scene, and what there is to choose from.
 
 use super::connection::{ANSWER_TIMEOUT, Asked, Connection, LONG_TIMEOUT};
 use anyhow::Context;
@@ -16,10 +16,27 @@ then goes on.
 
 Examples:
   ballroom load bowl
+  ballroom load gas --balls 2000
   ballroom load my_scene.toml")]
 pub struct Load {
     /// Name of a built-in scene, or a file ending in .toml
     scene: String,
+    /// Balls in all, for a scene with one cloud
+    #[arg(long, value_name = "N")]
+    balls: Option<u32>,
+    #[command(flatten)]
+    asked: Asked,
+}
+
+/// Read the scene's file again that the arena was started with
+#[derive(clap::Args)]
+#[command(after_help = "\
+The server reads it where it was started; what cannot be run is refused with line and field, and the present scene goes on.
+
+Examples:
+  ballroom reload
+  ballroom reload --arena left --json")]
+pub struct Reload {
     #[command(flatten)]
     asked: Asked,
 }
@@ -46,22 +63,32 @@ pub struct Features {
 
 impl Load {
     pub fn run(self) -> anyhow::Result<()> {
-        let path = Path::new(&self.scene);
-        let is_file =
-            path.extension().is_some_and(|end| end == "toml") || self.scene.contains(std::path::is_separator);
-        let command = if is_file {
-            let mut toml = String::new();
-            let file =
-                std::fs::File::open(path).with_context(|| format!("{} cannot be opened", self.scene))?;
-            // The server reads no more; one byte beyond shows that there is more.
-            let read = file.take(MAX_REQUEST_BYTES as u64 + 1).read_to_string(&mut toml);
-            read.with_context(|| format!("{} cannot be read", self.scene))?;
-            Command::LoadScene { name: None, toml: Some(toml) }
-        } else {
-            Command::LoadScene { name: Some(self.scene), toml: None }
-        };
+        let (name, toml) = name_or_text(&self.scene)?;
+        let command = Command::LoadScene { name, toml, balls: self.balls };
         self.asked.command(&command, LONG_TIMEOUT)
     }
+}
+
+impl Reload {
+    pub fn run(self) -> anyhow::Result<()> {
+        self.asked.command(&Command::ReloadScene {}, LONG_TIMEOUT)
+    }
+}
+
+/// The name of a scene, or the text of its file, as the server takes them.
+pub fn name_or_text(scene: &str) -> anyhow::Result<(Option<String>, Option<String>)> {
+    let path = Path::new(scene);
+    let is_file =
+        path.extension().is_some_and(|end| end == "toml") || scene.contains(std::path::is_separator);
+    if !is_file {
+        return Ok((Some(scene.to_owned()), None));
+    }
+    let mut toml = String::new();
+    let file = std::fs::File::open(path).with_context(|| format!("{scene} cannot be opened"))?;
+    // The server reads no more; one byte beyond shows that there is more.
+    let read = file.take(MAX_REQUEST_BYTES as u64 + 1).read_to_string(&mut toml);
+    read.with_context(|| format!("{scene} cannot be read"))?;
+    Ok((None, Some(toml)))
 }
 
 impl Scenes {
@@ -92,6 +119,9 @@ impl Features {
                 let limits: Vec<_> = limits.iter().map(|(name, limit)| format!("{name} {limit}")).collect();
                 writeln!(out, "{kind:8} {name:12} {}", limits.join(", "))?;
             }
+        }
+        for (name, number) in features.ros {
+            writeln!(out, "{:8} {name} {number}", "ros")?;
         }
         Ok(())
     }

@@ -4,13 +4,15 @@
 use super::Latest;
 use crate::history::Archive;
 use crate::players::Players;
+use protocol::check::Check;
 use protocol::codec;
-use protocol::command::Reply;
+use protocol::command::{Refusal, Reply};
 use protocol::listing::Selection;
 use protocol::player::Claimed;
 use protocol::timeline::SavedState;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::time::Instant;
 use zenoh::Wait;
 use zenoh::bytes::Encoding;
 use zenoh::query::Query;
@@ -49,39 +51,49 @@ pub enum Answer {
     Stats,
     /// Frames, units, versions.
     Info,
+    /// What the clock does.
+    State,
+    /// What came of a check.
+    Check(Box<Check>),
+    /// Who reads the states.
+    Clients,
     /// Why there is no answer.
-    Fault(String),
+    Fault(Refusal),
 }
 
-/// The way to the answering thread, which ends when all copies of it are gone.
-#[derive(Clone)]
-pub struct Answers(SyncSender<(Query, Answer)>);
+/// The way to an answering thread, which ends when all copies of it are gone.
+pub struct Answers<A>(SyncSender<(Query, A)>);
 
-impl Answers {
-    /// Starts the thread; the receiver hears when it has ended.
-    pub fn start(
-        latest: Arc<Latest>,
-        archive: Arc<Archive>,
-        players: Arc<Players>,
-    ) -> std::io::Result<(Self, Receiver<()>)> {
-        let (queue, waiting) = sync_channel::<(Query, Answer)>(MAX_WAITING);
+impl<A> Clone for Answers<A> {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
+
+impl<A: Send + 'static> Answers<A> {
+    /// Starts the thread, which sends each answer by `send`; the receiver hears when it has ended.
+    pub fn start(send: impl Fn(&Query, A) + Send + 'static) -> std::io::Result<(Self, Receiver<()>)> {
+        let (queue, waiting) = sync_channel::<(Query, A)>(MAX_WAITING);
         let (finished, ended) = sync_channel(1);
         std::thread::Builder::new().name("answer".into()).spawn(move || {
             for (query, answer) in waiting {
-                send(&latest, &archive, &players, &query, answer);
+                send(&query, answer);
             }
             drop(finished);
         })?;
         Ok((Self(queue), ended))
     }
 
-    /// Has a query answered, without waiting; false when too many wait already.
-    pub fn give(&self, query: Query, answer: Answer) -> bool {
-        self.0.try_send((query, answer)).is_ok()
+    /// Has a query answered, without waiting; one too many stays unanswered, which whoever asked sees.
+    pub fn give(&self, query: Query, answer: A) {
+        if self.0.try_send((query, answer)).is_err() {
+            tracing::debug!("a question stays unanswered: too many answers wait to be sent");
+        }
     }
 }
 
-fn send(latest: &Latest, archive: &Archive, players: &Players, query: &Query, answer: Answer) {
+/// Answers a question to an arena.
+pub fn send(latest: &Latest, archive: &Archive, players: &Players, query: &Query, answer: Answer) {
     let (bytes, encoding) = match answer {
         Answer::Reply(reply) => json(&reply),
         Answer::Claimed(claimed) => json(&claimed),
@@ -99,11 +111,24 @@ fn send(latest: &Latest, archive: &Archive, players: &Players, query: &Query, an
         Answer::Saved(saved) => json(&*saved),
         Answer::Stats => json(&latest.stats()),
         Answer::Info => json(&latest.info),
-        Answer::Fault(why) => {
-            return tell(query, query.reply_err(why).encoding(Encoding::TEXT_PLAIN).wait());
-        }
+        Answer::State => json(&latest.state()),
+        Answer::Check(check) => json(&check),
+        Answer::Clients => json(&latest.readers.list(Instant::now())),
+        Answer::Fault(refusal) => return refuse(query, refusal),
     };
     tell(query, query.reply(query.key_expr().clone(), bytes).encoding(encoding).wait());
+}
+
+/// Answers with JSON.
+pub fn send_json<T: serde::Serialize>(query: &Query, value: &T) {
+    let (bytes, encoding) = json(value);
+    tell(query, query.reply(query.key_expr().clone(), bytes).encoding(encoding).wait());
+}
+
+/// Says why there is no answer, as a reply with its code.
+pub fn refuse(query: &Query, refusal: Refusal) {
+    let (bytes, encoding) = json(&Reply::from(refusal));
+    tell(query, query.reply_err(bytes).encoding(encoding).wait());
 }
 
 fn json<T: serde::Serialize>(value: &T) -> (Vec<u8>, Encoding) {

@@ -1,18 +1,26 @@
-//! The arena's place on the network. Only here does the server name Zenoh.
+//! An arena's place on the network. Only here does the server name Zenoh.
 //!
 //! | file | what |
 //! |---|---|
 //! | `session` | one session that is its own router |
+//! | `link` | that session, shared by the arenas of a process |
+//! | `doors` | what the process is asked: its arenas |
 //! | `services` | commands and questions coming in |
 //! | `driving` | players: claims, drive messages and acknowledgements |
 //! | `budget` | how many commands and questions one source may send |
 //! | `answers` | everything that is answered, on a thread of its own |
+//! | `readers` | who reads the states, as they say themselves |
+//! | `outlet` | one stream going out, numbered and counted |
 //! | `publisher` | states, hits and statistics going out, on a thread of its own |
 
 mod answers;
 mod budget;
+mod doors;
 mod driving;
+mod link;
+mod outlet;
 mod publisher;
+mod readers;
 mod services;
 mod session;
 
@@ -23,17 +31,21 @@ use crate::inbox::Inbox;
 use crate::players::Players;
 use crate::simulation::{Simulation, Stage};
 use crate::workshop::{Bench, Workshop};
+pub(crate) use doors::{Doors, Job as DoorJob};
+pub(crate) use link::Link;
+use protocol::arenas::ArenaRow;
 use protocol::info::Info;
 use protocol::keys::{Keys, Name, Role};
 use protocol::parameter::Parameters;
 use protocol::snapshot::{Snapshot, World};
+use protocol::state::State;
 use protocol::stats::Stats;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use zenoh::Wait;
 
-/// Longest wait for an orderly end of the session.
+/// Longest wait for an orderly end.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Why the network cannot be used.
@@ -70,6 +82,9 @@ pub(crate) struct Latest {
     info: Info,
     present: Mutex<Present>,
     stats: Mutex<Stats>,
+    handover: Arc<Handover>,
+    recorded: bool,
+    readers: readers::Readers,
 }
 
 impl Latest {
@@ -82,6 +97,32 @@ impl Latest {
             roster: (*stage.roster).clone(),
             tick_rate_hz: self.info.tick_rate_hz,
             snapshot,
+        }
+    }
+
+    /// What the clock does.
+    pub(crate) fn state(&self) -> State {
+        let present = self.present();
+        let (epoch, tick, time_s) = (present.state.epoch, present.state.tick, present.state.time_s);
+        drop(present);
+        let state = self.handover.run_state();
+        State { state, number: state.number(), epoch, tick, time_s }
+    }
+
+    /// The arena in a list of several.
+    pub(crate) fn row(&self) -> ArenaRow {
+        let State { state, epoch, tick, time_s, .. } = self.state();
+        let stage = self.stage();
+        ArenaRow {
+            arena: self.info.arena.clone(),
+            scene: stage.scene.name.clone(),
+            state,
+            epoch,
+            tick,
+            time_s,
+            tick_rate_hz: self.info.tick_rate_hz,
+            balls: stage.roster.names.len(),
+            recorded: self.recorded,
         }
     }
 
@@ -122,10 +163,9 @@ struct Present {
     state: Snapshot,
 }
 
-/// An open session with everything declared; [`Network::run`] is the publisher's thread.
+/// Everything of an arena declared; [`Network::run`] is the publisher's thread.
 pub(crate) struct Network {
-    session: zenoh::Session,
-    endpoints: Vec<String>,
+    latest: Arc<Latest>,
     publisher: publisher::Publisher,
     services: services::Services,
     driving: driving::Driving,
@@ -135,6 +175,7 @@ pub(crate) struct Network {
 
 impl Network {
     pub(crate) fn open(
+        link: &Link,
         options: &ArenaOptions,
         simulation: &Simulation,
         inbox: &Arc<Inbox>,
@@ -150,41 +191,41 @@ impl Network {
             info: Info::new(options.arena.as_str(), options.tick_rate_hz),
             present: Mutex::new(Present { stage: simulation.stage(), state: first }),
             stats: Mutex::new(stats),
+            handover: handover.clone(),
+            recorded: options.record.is_some(),
+            readers: readers::Readers::default(),
         });
         let keys = Keys::new(&options.arena);
-        let (session, endpoints) = session::open(options)?;
+        let session = link.session();
         let workshop = Workshop::start(Bench::new(simulation), inbox.clone(), archive.clone())?;
         let players = Arc::new(Players::new(inbox.clone()));
-        let (answers, answered) = answers::Answers::start(latest.clone(), archive, players.clone())?;
+        let (known, drivers) = (latest.clone(), players.clone());
+        let (answers, answered) = answers::Answers::start(move |query, answer| {
+            answers::send(&known, &archive, &drivers, query, answer);
+        })?;
         let gate = services::Gate::new(inbox, &answers, workshop, &players, &latest);
         drop(answers);
-        let services = services::Services::declare(&session, &keys, &gate)?;
-        let driving = driving::Driving::declare(&session, &keys, &gate)?;
-        let publisher = publisher::Publisher::declare(&session, &keys, latest, handover, players)?;
+        let services = services::Services::declare(link, &keys, &gate, &latest)?;
+        let driving = driving::Driving::declare(session, &keys, &gate)?;
+        let publisher = publisher::Publisher::declare(session, &keys, latest.clone(), handover, players)?;
         // Last: who sees the token finds everything else in place. The epoch is a number, so this is a name.
         let id: Name = simulation.epoch().to_string().parse().expect("digits are a name");
         let alive = session.liveliness().declare_token(keys.alive(Role::Server, &id)).wait()?;
-        Ok(Self { session, endpoints, publisher, services, driving, answered, alive })
+        Ok(Self { latest, publisher, services, driving, answered, alive })
     }
 
-    pub(crate) fn endpoints(&self) -> &[String] {
-        &self.endpoints
+    /// What questions are answered from.
+    pub(crate) const fn latest(&self) -> &Arc<Latest> {
+        &self.latest
     }
 
-    /// Publishes until the tick loop has ended, then closes the session.
+    /// Publishes until the tick loop has ended, then takes everything back.
     pub(crate) fn run(mut self) {
         self.publisher.run();
         drop((self.alive, self.services, self.driving, self.publisher));
         // What is still to be answered goes out first; a client that does not read has to do without.
         if self.answered.recv_timeout(CLOSE_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
             tracing::debug!("not everything was answered");
-        }
-        // Closing may wait long for a link that is in trouble; nobody has to wait for that.
-        let (done, closed) = std::sync::mpsc::sync_channel(1);
-        let session = self.session;
-        std::thread::spawn(move || drop(done.send(session.close().wait())));
-        if !matches!(closed.recv_timeout(CLOSE_TIMEOUT), Ok(Ok(()))) {
-            tracing::debug!("the session did not close in order");
         }
     }
 }

@@ -1,5 +1,6 @@
 //! States, hits and statistics going out. Zenoh serves every link in the calling thread, so this one is its own.
 
+use super::outlet::Outlet;
 use super::{Latest, NetworkError};
 use crate::handover::{Batch, Handover};
 use crate::players::Players;
@@ -7,23 +8,22 @@ use crate::simulation::{NumberedHit, Stage};
 use protocol::codec;
 use protocol::event::Events;
 use protocol::keys::Keys;
+use protocol::stats::Streams;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use zenoh::bytes::Encoding;
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::{Session, Wait};
-
-type ZenohPublisher = zenoh::pubsub::Publisher<'static>;
 
 /// Longest wait for something to publish.
 const IDLE: Duration = Duration::from_millis(500);
 
 /// The outgoing side of an arena.
 pub struct Publisher {
-    state: ZenohPublisher,
-    event: ZenohPublisher,
-    stats: ZenohPublisher,
-    scene: ZenohPublisher,
+    state: Outlet,
+    event: Outlet,
+    stats: Outlet,
+    scene: Outlet,
     latest: Arc<Latest>,
     handover: Arc<Handover>,
     players: Arc<Players>,
@@ -32,6 +32,8 @@ pub struct Publisher {
     stages: Vec<Stage>,
     epoch: Option<u64>,
     published: u64,
+    /// When the figures of the streams begin.
+    counted_from: Instant,
     /// Length of the last frame, to take room once.
     frame_bytes: usize,
 }
@@ -48,12 +50,8 @@ impl Publisher {
         // Dropping keeps one slow reader from holding up the others; a state is soon followed by a newer one. Not
         // express: that would give up batching.
         let declare = |key: String, priority, encoding: Encoding| {
-            session
-                .declare_publisher(key)
-                .priority(priority)
-                .congestion_control(CongestionControl::Drop)
-                .encoding(encoding)
-                .wait()
+            let publisher = session.declare_publisher(key).priority(priority).encoding(encoding);
+            publisher.congestion_control(CongestionControl::Drop).wait().map(Outlet::new)
         };
         Ok(Self {
             state: declare(keys.state(), Priority::DataHigh, Encoding::APPLICATION_CBOR)?,
@@ -67,6 +65,7 @@ impl Publisher {
             stages: Vec::new(),
             epoch: None,
             published: 0,
+            counted_from: Instant::now(),
             frame_bytes: 0,
         })
     }
@@ -89,7 +88,7 @@ impl Publisher {
 
     fn publish_state(&mut self) {
         let Some(state) = self.batch.state.take() else { return };
-        let frame = is_wanted(&self.state).then(|| {
+        let frame = self.state.is_wanted().then(|| {
             let mut frame = Vec::with_capacity(self.frame_bytes);
             codec::encode_state(&state, &mut frame);
             self.frame_bytes = frame.len();
@@ -97,14 +96,15 @@ impl Publisher {
         });
         let is_new_epoch = self.epoch.replace(state.epoch) != Some(state.epoch);
         let stage = self.begin_stages(state.epoch);
+        let wall_ns = state.wall_ns;
         // Before anybody hears of it: who sees a new epoch asks for its world.
         self.handover.recycle(self.latest.replace(stage, state));
         if let Some(frame) = frame {
-            put(&self.state, frame);
+            self.state.put_as_of(wall_ns, frame);
             self.published += 1;
         }
-        if is_new_epoch && is_wanted(&self.scene) {
-            put(&self.scene, codec::encode_json(&*self.latest.stage().scene));
+        if is_new_epoch && self.scene.is_wanted() {
+            self.scene.put(codec::encode_json(&*self.latest.stage().scene));
         }
     }
 
@@ -130,10 +130,10 @@ impl Publisher {
 
     fn publish(&self, hits: &[NumberedHit], stage: &Stage) {
         self.players.count_hits(hits, &stage.roster);
-        if is_wanted(&self.event) {
+        if self.event.is_wanted() {
             for hits in hits.chunks(codec::MAX_EVENTS) {
                 let events = hits.iter().map(|hit| hit.to_event(&stage.roster)).collect();
-                put(&self.event, codec::encode_json(&Events { events, dropped: self.batch.hits_dropped }));
+                self.event.put(codec::encode_json(&Events { events, dropped: self.batch.hits_dropped }));
             }
         }
     }
@@ -146,20 +146,16 @@ impl Publisher {
         if held > 0 {
             tracing::warn!("a ball was held for a moment {held} times, for its hits piled up");
         }
-        if is_wanted(&self.stats) {
-            put(&self.stats, codec::encode_json(&stats));
+        let over = std::mem::replace(&mut self.counted_from, Instant::now()).elapsed();
+        stats.streams = Streams {
+            state: self.state.figures(over),
+            event: self.event.figures(over),
+            stats: self.stats.figures(over),
+            scene: self.scene.figures(over),
+        };
+        if stats.streams.stats.is_read {
+            self.stats.put(codec::encode_json(&stats));
         }
         self.latest.set_stats(stats);
-    }
-}
-
-/// Whether anybody listens; encoding for nobody is what there is to save.
-fn is_wanted(publisher: &ZenohPublisher) -> bool {
-    publisher.matching_status().wait().is_ok_and(|status| status.matching())
-}
-
-fn put(publisher: &ZenohPublisher, bytes: Vec<u8>) {
-    if let Err(e) = publisher.put(bytes).wait() {
-        tracing::debug!("{} could not be published: {e}", publisher.key_expr());
     }
 }

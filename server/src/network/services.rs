@@ -3,7 +3,9 @@
 
 use super::answers::{Answer, Answers};
 use super::budget::{ANSWERS_PER_S, Budget, PRESSES_PER_S, Source};
+use super::link::Link;
 use super::{Latest, NetworkError};
+use crate::checker::Checker;
 use crate::inbox::{Inbox, Refused, Request};
 use crate::players::Players;
 use crate::workshop::{self, Job, Ready, Workshop};
@@ -22,20 +24,29 @@ use zenoh::{Session, Wait};
 pub struct Services {
     _queryables: Vec<Queryable<()>>,
     _presses: Subscriber<()>,
+    _reports: Subscriber<()>,
 }
 
 impl Services {
     /// Declares the commands and the questions of an arena.
-    pub fn declare(session: &Session, keys: &Keys, gate: &Arc<Gate>) -> Result<Self, NetworkError> {
-        let mut queryables = vec![commands(session, &keys.srv_command(), gate.clone())?];
+    pub fn declare(
+        link: &Link,
+        keys: &Keys,
+        gate: &Arc<Gate>,
+        latest: &Arc<Latest>,
+    ) -> Result<Self, NetworkError> {
+        let session = link.session();
+        let mut queryables = vec![
+            commands(session, &keys.srv_command(), gate.clone())?,
+            checks(session, &keys.srv_check(), gate.clone(), link.checker().clone())?,
+        ];
         let mut declare = |key: String, make: fn(&Query) -> Result<Answer, String>| {
             let gate = gate.clone();
             let declared = session.declare_queryable(key).callback(move |query| {
-                let answer = gate.spend(&Source::Questions).map_err(|refusal| refusal.why).and_then(|()| {
-                    let answer = make(&query);
-                    answer.inspect_err(|_| gate.inbox.count_refused())
-                });
-                gate.give(query, answer.unwrap_or_else(Answer::Fault));
+                let answer = gate
+                    .spend(&Source::Questions)
+                    .and_then(|()| make(&query).map_err(|why| gate.refuse(code::MALFORMED, why)));
+                gate.answers.give(query, answer.unwrap_or_else(Answer::Fault));
             });
             declared.wait().map(|queryable| queryables.push(queryable))
         };
@@ -44,14 +55,17 @@ impl Services {
         declare(keys.srv_parameters(), |_| Ok(Answer::Parameters))?;
         declare(keys.srv_stats(), |_| Ok(Answer::Stats))?;
         declare(keys.srv_info(), |_| Ok(Answer::Info))?;
+        declare(keys.srv_clients(), |_| Ok(Answer::Clients))?;
+        declare(keys.srv_state(), |_| Ok(Answer::State))?;
         declare(keys.srv_features(), |_| Ok(Answer::Features))?;
         declare(keys.srv_scenes(), |_| Ok(Answer::Scenes))?;
         declare(keys.srv_players(), |_| Ok(Answer::Players))?;
         declare(keys.srv_balls(), |query| Selection::parse(query.parameters().as_str()).map(Answer::Balls))?;
         declare(keys.srv_slots(), |_| Ok(Answer::Slots))?;
         queryables.push(checkpoints(session, keys.srv_checkpoint(), gate.clone())?);
+        let reports = reports(session, keys.clone(), latest.clone())?;
         let presses = presses(session, keys.clone(), gate.clone())?;
-        Ok(Self { _queryables: queryables, _presses: presses })
+        Ok(Self { _queryables: queryables, _presses: presses, _reports: reports })
     }
 }
 
@@ -69,7 +83,7 @@ fn commands(session: &Session, key: &str, gate: Arc<Gate>) -> Result<Queryable<(
         let text = query.payload().map(|payload| payload.to_bytes().into_owned()).unwrap_or_default();
         let way_back = gate.clone();
         let answer: crate::inbox::Answer =
-            Box::new(move |reply| way_back.give(query, Answer::Reply(reply.clone())));
+            Box::new(move |reply| way_back.answers.give(query, Answer::Reply(reply.clone())));
         if let Err((Some(answer), why)) = gate.pass(text, &Source::Commands, MAX_REQUEST_BYTES, Some(answer))
         {
             answer(&why.into());
@@ -82,19 +96,19 @@ fn commands(session: &Session, key: &str, gate: Arc<Gate>) -> Result<Queryable<(
 fn checkpoints(session: &Session, key: String, gate: Arc<Gate>) -> Result<Queryable<()>, NetworkError> {
     let callback = move |query: Query| {
         if let Err(refusal) = gate.spend(&Source::Questions) {
-            return gate.give(query, Answer::Fault(refusal.why));
+            return gate.give(query, Answer::Fault(refusal));
         }
         let slot = match slot_of(&query) {
             Ok(slot) => slot,
             Err(why) => {
                 let refusal = gate.refuse(code::MALFORMED, why);
-                return gate.give(query, Answer::Fault(refusal.why));
+                return gate.give(query, Answer::Fault(refusal));
             }
         };
         let way_back = gate.clone();
         let told: workshop::Told = Box::new(move |saved| {
             let answer = saved.map(|saved| Answer::Saved(Box::new(saved)));
-            way_back.give(query, answer.unwrap_or_else(|refusal| Answer::Fault(refusal.why)));
+            way_back.give(query, answer.unwrap_or_else(Answer::Fault));
         });
         gate.workshop.save(slot, told);
     };
@@ -109,6 +123,54 @@ fn slot_of(query: &Query) -> Result<Option<String>, String> {
     };
     let name: Name = name.parse().map_err(|bad| format!("slot: {bad}"))?;
     Ok(Some(name.as_str().to_owned()))
+}
+
+/// Scenes to be checked, beside what runs.
+fn checks(
+    session: &Session,
+    key: &str,
+    gate: Arc<Gate>,
+    checker: Checker,
+) -> Result<Queryable<()>, NetworkError> {
+    let callback = move |query: Query| {
+        let text = query.payload().map(|payload| payload.to_bytes()).unwrap_or_default();
+        let read = gate.spend(&Source::Questions).and_then(|()| {
+            if text.len() > MAX_REQUEST_BYTES {
+                let why = format!("{} bytes are too many: at most {MAX_REQUEST_BYTES}", text.len());
+                return Err(gate.refuse(code::TOO_LONG, why));
+            }
+            let text = std::str::from_utf8(&text);
+            text.map(str::to_owned).map_err(|e| gate.refuse(code::MALFORMED, format!("no text: {e}")))
+        });
+        drop(text);
+        let answers = gate.answers.clone();
+        match read {
+            Ok(toml) => checker.give(
+                toml,
+                Box::new(move |found| {
+                    answers
+                        .give(query, found.map_or_else(Answer::Fault, |check| Answer::Check(check.into())));
+                }),
+            ),
+            Err(refusal) => answers.give(query, Answer::Fault(refusal)),
+        }
+    };
+    Ok(session.declare_queryable(key.to_owned()).callback(callback).wait()?)
+}
+
+/// What readers say of themselves; nothing hangs on it, so that what is wrong is passed over.
+fn reports(session: &Session, keys: Keys, latest: Arc<Latest>) -> Result<Subscriber<()>, NetworkError> {
+    let anyone = keys.report_of_anyone();
+    let subscriber = session.declare_subscriber(anyone).callback(move |sample| {
+        let key = sample.key_expr().as_str();
+        let reader = keys.reader_of(key).ok_or_else(|| "no reader of this name".to_owned());
+        let heard = reader
+            .and_then(|reader| latest.readers.hear(reader, &sample.payload().to_bytes(), Instant::now()));
+        if let Err(why) = heard {
+            tracing::debug!("{key} passed over: {why}");
+        }
+    });
+    Ok(subscriber.wait()?)
 }
 
 /// Commands that are not answered.
@@ -136,7 +198,7 @@ type Unpassed = (Option<crate::inbox::Answer>, Refusal);
 pub struct Gate {
     inbox: Arc<Inbox>,
     budget: Mutex<Budget>,
-    answers: Answers,
+    answers: Answers<Answer>,
     workshop: Workshop,
     pub(super) players: Arc<Players>,
     pub(super) latest: Arc<Latest>,
@@ -225,8 +287,6 @@ impl Gate {
     }
 
     pub(super) fn give(&self, query: Query, answer: Answer) {
-        if !self.answers.give(query, answer) {
-            tracing::debug!("a question stays unanswered: too many answers wait to be sent");
-        }
+        self.answers.give(query, answer);
     }
 }

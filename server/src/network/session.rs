@@ -1,7 +1,7 @@
 //! One session that is its own router, on loopback unless told otherwise.
 
 use super::NetworkError;
-use crate::arena::ArenaOptions;
+use crate::arena::NetworkOptions;
 use std::net::{Ipv4Addr, TcpListener};
 use zenoh::{Config, Session, Wait};
 
@@ -33,7 +33,7 @@ const SETTINGS: [(&str, &str); 12] = [
 ];
 
 /// Opens the session and says where it listens.
-pub fn open(options: &ArenaOptions) -> Result<(Session, Vec<String>), NetworkError> {
+pub fn open(options: &NetworkOptions) -> Result<(Session, Vec<String>), NetworkError> {
     let mut config = match &options.config {
         Some(file) => Config::from_file(file)
             .map_err(|e| NetworkError::Config { what: file.display().to_string(), why: e.to_string() })?,

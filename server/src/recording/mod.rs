@@ -6,7 +6,8 @@
 //! The scene as text with the number of balls asked for (its clouds carry their seeds), the tick rate, and the commands
 //! by tick in their order. Everything else follows: a held force ends by the count of ticks, a reset returns to the
 //! scene and begins the next epoch; the seed of a reset, other places of balls and another scene as text stand in their
-//! commands. A scene loaded by name is the one of that name in the program that replays. A rewind stands there with the
+//! commands. A scene loaded by name is the one of that name in the program that replays;
+//! one read again from its file is recorded as the text that was read. A rewind stands there with the
 //! epoch and tick that it went to, and a replay keeps a history of its own to go back in; slots are filled and read as
 //! they were. Wall time, pauses, the speed of the clock and who asked are no part of it; commands
 //! to the clock are recorded all the same, because they tell what happened. Refused commands leave no trace in a run,

@@ -6,7 +6,7 @@ use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
 use crate::workshop::{Bench, Ready};
 use protocol::codec;
-use protocol::command::{Command, Refusal};
+use protocol::command::{Command, Refusal, RunState, Scope};
 use protocol::snapshot::Snapshot;
 use serde::Serialize;
 use std::io::Read;
@@ -289,6 +289,9 @@ pub(crate) fn obey(simulation: &mut Simulation, bench: &Bench, command: &Command
             simulation.steer(ball.as_deref(), *direction, *mode)?;
         }
         (Ready::Nothing, Command::Reset { scope, .. }) => simulation.reset(*scope).map_err(refused)?,
+        (Ready::Nothing, Command::SetState { state: RunState::Stopped }) => {
+            simulation.reset(Scope::All).map_err(refused)?;
+        }
         (Ready::Nothing, Command::Delete(selection)) => {
             let mut change = simulation.deletion(selection).map_err(refused)?;
             simulation.change(&mut change).map_err(refused)?;

@@ -53,12 +53,14 @@ pub struct SceneText {
     balls: Option<u32>,
     /// What places the clouds instead of their own seeds.
     seed: Option<u64>,
+    /// Whether `file` is a path it was read from.
+    is_file: bool,
 }
 
 impl SceneText {
     /// A text under a name for messages.
     pub fn new(file: impl Into<String>, text: impl Into<Cow<'static, str>>) -> Self {
-        Self { file: file.into(), text: text.into(), balls: None, seed: None }
+        Self { file: file.into(), text: text.into(), balls: None, seed: None, is_file: false }
     }
 
     /// A built-in scene by its bare name; a file when `scene` ends in `.toml` or holds a path separator.
@@ -77,9 +79,15 @@ impl SceneText {
             // One byte more than is allowed shows that there are more.
             let limit = MAX_SCENE_BYTES as u64 + 1;
             file.take(limit).read_to_string(&mut text).map_err(|e| fault(format!("cannot be read: {e}")))?;
-            return Ok(Self::new(scene, text));
+            return Ok(Self { is_file: true, ..Self::new(scene, text) });
         }
         Self::built_in(scene)
+    }
+
+    /// The same, read again if it came from a file.
+    pub fn reopen(&self) -> Result<Self, SceneError> {
+        let again = if self.is_file { Self::open(&self.file)? } else { self.clone() };
+        Ok(again.with_balls(self.balls))
     }
 
     /// A scene that comes with the program.

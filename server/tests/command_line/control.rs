@@ -177,18 +177,18 @@ fn a_scene_that_cannot_be_run_is_refused_with_line_and_field_and_the_present_one
     let client = server.client();
     let before = client.snapshot().unwrap();
     let original = include_str!("../../scenes/original.toml");
-    let load = |toml: &str| Command::LoadScene { name: None, toml: Some(toml.into()) };
+    let load = |toml: &str| Command::LoadScene { name: None, toml: Some(toml.into()), balls: None };
     for (command, code, why) in [
         (load("version = 1"), code::BAD_SCENE, "toml:1:1"),
         (load(&original.replacen("radius_m = ", "radius_m = -", 1)), code::BAD_SCENE, "radius_m"),
         (
-            Command::LoadScene { name: Some("nowhere".into()), toml: None },
+            Command::LoadScene { name: Some("nowhere".into()), toml: None, balls: None },
             code::NOT_FOUND,
             "use one of original",
         ),
         // Only scenes of the program have names: a client does not read files through the server.
         (
-            Command::LoadScene { name: Some("scenes/bowl.toml".into()), toml: None },
+            Command::LoadScene { name: Some("scenes/bowl.toml".into()), toml: None, balls: None },
             code::NOT_FOUND,
             "no built-in",
         ),

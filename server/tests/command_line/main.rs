@@ -1,11 +1,14 @@
 //! What the program promises the shell: output, exit codes, refusals, and over a session what each verb does.
 
+mod arenas;
 mod changing;
 mod check;
 mod control;
 mod hardcases;
 mod players;
+mod readers;
 mod relay;
+mod reload;
 mod serving;
 mod simulate;
 mod terminal;

@@ -5,6 +5,7 @@ use ballroom_client::{Client, ClientOptions, Patience};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// A server that ends with its test.
 pub struct Serving {
@@ -73,15 +74,37 @@ impl Serving {
         self.process.wait().unwrap().success()
     }
 
-    /// A session with it.
+    /// A session with its arena `main`.
     pub fn client(&self) -> Client {
-        Client::open(ClientOptions {
+        self.client_of(protocol::keys::DEFAULT_ARENA)
+    }
+
+    /// How it ended, once it has.
+    pub fn ended(&mut self) -> i32 {
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            if let Some(status) = self.process.try_wait().unwrap() {
+                return status.code().expect("ended by itself");
+            }
+            assert!(Instant::now() < deadline, "it did not end within {PATIENCE:?}");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// A session with one of its arenas.
+    pub fn client_of(&self, arena: &str) -> Client {
+        Client::open(self.options_of(arena)).unwrap()
+    }
+
+    /// How to reach one of its arenas.
+    pub fn options_of(&self, arena: &str) -> ClientOptions {
+        ClientOptions {
+            arena: arena.parse().unwrap(),
             endpoints: vec![self.endpoint.clone()],
             patience: Patience::GiveUpAfter(PATIENCE),
             timeout: PATIENCE,
             ..ClientOptions::default()
-        })
-        .unwrap()
+        }
     }
 }
 

@@ -18,6 +18,11 @@ fn help_names_every_subcommand_and_exit_code() {
         "speed",
         "balls",
         "load",
+        "reload",
+        "state",
+        "arenas",
+        "top",
+        "metrics",
         "scenes",
         "features",
         "play",
@@ -50,6 +55,8 @@ fn a_wrong_command_line_ends_with_2_and_says_what_would_do() {
         (&["speed", "fast"], "use 0.01 to 100, or max"),
         (&["reset", "--scope", "some"], "use all, time, state or spawned"),
         (&["run-until", "soon"], "invalid float"),
+        (&["state", "running"], "use stopped, playing, paused or quitting"),
+        (&["serve", "a=plane", "a=bowl", "-l", "tcp/127.0.0.1:0"], "arena a runs already"),
         (&["balls", "set", "red", "--center", "1,2,3"], "use 2 numbers"),
     ] {
         let output = ballroom(arguments);

@@ -120,6 +120,7 @@ fn join(arguments: &Arguments, abort: &Abort, arena: &ArenaHandle, bridge: &Brid
     let client = Client::open(ClientOptions {
         endpoints: vec![arena.endpoint().to_owned()],
         patience: Patience::GiveUpAfter(Duration::from_secs(10)),
+        role: protocol::keys::Role::Viewer,
         abort: abort.clone(),
         ..ClientOptions::default()
     })?;
@@ -221,6 +222,9 @@ impl Table<'_> {
     }
 
     fn goes_on(&self) -> Result<bool> {
+        if self.arena.has_quit() {
+            return Ok(false);
+        }
         if self.arena.is_finished() && !self.abort.is_aborted() {
             bail!("the arena ended by itself; its log tells why");
         }

@@ -21,7 +21,17 @@ from ballroom.errors import (
 from ballroom.feeds import Hits, States
 from ballroom.frames import Ball, Hit, Parameter, Player, Reply, Roster, State, World
 from ballroom.launch import launch
-from ballroom.server import BallSetting, Direction, NewBall, Rectangle, Scope, Selection, Server, connect
+from ballroom.server import (
+    BallSetting,
+    Direction,
+    NewBall,
+    Rectangle,
+    RunState,
+    Scope,
+    Selection,
+    Server,
+    connect,
+)
 
 __all__ = [
     "Acted",
@@ -45,6 +55,7 @@ __all__ = [
     "RefusedError",
     "Reply",
     "Roster",
+    "RunState",
     "Scope",
     "Selection",
     "Server",

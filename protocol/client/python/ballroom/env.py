@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ballroom.frames import State, World
 from ballroom.server import Server
+from ballroom.spaces import box
 
 Observation: TypeAlias = NDArray[np.float64]
 Info: TypeAlias = dict[str, Any]
@@ -66,6 +68,16 @@ class Env:
         """The state after the last step."""
         return self._state
 
+    @property
+    def action_space(self) -> Any:  # noqa: ANN401
+        """Two numbers between -1 and 1; Gymnasium's box where it is installed."""
+        return box(-1.0, 1.0, (2,))
+
+    @property
+    def observation_space(self) -> Any:  # noqa: ANN401
+        """Numbers in the shape of an observation; Gymnasium's box where it is installed."""
+        return box(-np.inf, np.inf, np.shape(self._observe(self._state)))
+
     def reset(self, seed: int | None = None) -> tuple[Observation, Info]:
         """Back to the scene's first state; a seed places its clouds of balls anew."""
         self.server.pause()
@@ -105,6 +117,12 @@ class Env:
         return {"state": self._state, "tick": self._state.tick, "state_hash": self._state.state_hash}
 
 
+def _end(arena: Server) -> None:
+    """Ends an arena and the session with it."""
+    with arena:
+        arena.stop_arena(arena.arena)
+
+
 def _first_player(world: World) -> str:
     """In the scene's own order, which is not that of the rows."""
     for ball in world.scene.get("ball", []):
@@ -116,12 +134,52 @@ def _first_player(world: World) -> str:
 class VectorEnv:
     """Several arenas stepped at once, a thread each; arrays with one row an arena. Close it, or use it with `with`.
 
-    Nothing is reset by itself: an arena whose episode has ended is `envs[i].reset()`.
+    With `autoreset` an arena whose episode has ended begins anew in the same step: its row is then the first
+    observation of the next episode, and its info holds `final_observation` and `final_info`. Else nothing is reset by
+    itself: an arena whose episode has ended is `envs[i].reset()`.
     """
 
-    def __init__(self, envs: Sequence[Env]) -> None:
+    def __init__(self, envs: Sequence[Env], *, autoreset: bool = False) -> None:
         self.envs = list(envs)
+        self.autoreset = autoreset
         self._threads = ThreadPoolExecutor(max(1, len(self.envs)), "ballroom-env")
+        self._begun: list[Server] = []
+
+    @classmethod
+    def start(  # noqa: PLR0913
+        cls,
+        server: Server,
+        count: int,
+        scene: str = "original",
+        *,
+        balls: int | None = None,
+        autoreset: bool = True,
+        prefix: str = "env-",
+        **options: Any,  # noqa: ANN401
+    ) -> VectorEnv:
+        """Starts `count` arenas named `prefix` and a number in the process of `server`, which end with `close`.
+
+        `options` are those of each `Env`.
+        """
+        with ExitStack() as undo:
+            begun = []
+            for i in range(count):
+                begun.append(server.start_arena(f"{prefix}{i}", scene, balls=balls, paused=True))
+                undo.callback(_end, begun[-1])
+            envs = cls([Env(arena, **options) for arena in begun], autoreset=autoreset)
+            undo.pop_all()
+        envs._begun = begun
+        return envs
+
+    @property
+    def action_space(self) -> Any:  # noqa: ANN401
+        """A row of two numbers an arena."""
+        return box(-1.0, 1.0, (len(self.envs), 2))
+
+    @property
+    def observation_space(self) -> Any:  # noqa: ANN401
+        """A row an arena."""
+        return box(-np.inf, np.inf, (len(self.envs), *self.envs[0].observation_space.shape))
 
     def reset(self, seeds: Sequence[int | None] | None = None) -> tuple[Observation, list[Info]]:
         """Resets all, each with its own seed if there are any."""
@@ -138,7 +196,7 @@ class VectorEnv:
         rows = np.asarray(actions, np.float64)
         if rows.shape != (len(self.envs), 2):
             raise ValueError(f"actions have the shape {rows.shape}, not {(len(self.envs), 2)}")
-        steps = list(self._threads.map(Env.step, self.envs, rows))
+        steps = list(self._threads.map(self._step, self.envs, rows))
         observations, rewards, terminated, truncated, infos = zip(*steps, strict=True)
         return (
             np.stack(observations),
@@ -148,9 +206,19 @@ class VectorEnv:
             list(infos),
         )
 
+    def _step(self, env: Env, action: NDArray[np.float64]) -> Step:
+        observation, reward, terminated, truncated, info = env.step(action)
+        if self.autoreset and (terminated or truncated):
+            first, begun = env.reset()
+            info = {**begun, "final_observation": observation, "final_info": info}
+            observation = first
+        return observation, reward, terminated, truncated, info
+
     def close(self) -> None:
-        """Ends the threads."""
+        """Ends the threads, and the arenas that `start` started."""
         self._threads.shutdown()
+        while self._begun:
+            _end(self._begun.pop())
 
     def __enter__(self) -> VectorEnv:
         """Itself."""

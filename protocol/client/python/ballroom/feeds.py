@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import json
+import struct
 import time
 from collections import deque
 from collections.abc import Callable
@@ -19,6 +21,8 @@ F = TypeVar("F", bound="Feed[Any]")
 
 _LOOK_AGAIN_S = 0.002
 _HIT_MESSAGES = 256
+_REPORT_EVERY_S = 1.0
+_STAMP = struct.Struct("<QQ")  # number of the message, wall time in ns since 1970
 
 
 class Feed(Generic[T]):
@@ -70,13 +74,16 @@ class Feed(Generic[T]):
     def _is_over(self) -> bool:
         return self._closed or self._session.is_closed()
 
-    def _payload(self) -> bytes | None:
+    def _sample(self) -> zenoh.Sample | None:
         try:
-            sample = self._subscriber.try_recv()
+            return self._subscriber.try_recv()
         except zenoh.ZError:
             # Closed, here or on another thread.
             self._closed = True
             return None
+
+    def _payload(self) -> bytes | None:
+        sample = self._sample()
         return None if sample is None else sample.payload.to_bytes()
 
 
@@ -86,20 +93,24 @@ class States(Feed[State]):
     missed_ticks: int
     """Ticks that passed without their state being handed out: overtaken, lost, or stepped over."""
 
-    def __init__(self, session: zenoh.Session, key: str, timeout_s: float | None, ask: Callable[[], World]) -> None:
-        super().__init__(session, key, 1, timeout_s)
+    def __init__(self, session: zenoh.Session, prefix: str, timeout_s: float | None, ask: Callable[[], World]) -> None:
+        super().__init__(session, f"{prefix}/state", 1, timeout_s)
         self.missed_ticks = 0
+        self._meter = Meter(session, f"{prefix}/report/script/{session.zid()}")
         self._ask = ask
         self._newest: State | None = None
 
     def poll(self) -> State | None:
         """The newest state, if it was not handed out before."""
         before = self._newest
+        self._meter.report()
         if before is None:
             return self._hand_out(self._ask().state)
-        frame = self._payload()
-        if frame is None:
+        sample = self._sample()
+        if sample is None:
             return None
+        frame = sample.payload.to_bytes()
+        self._meter.read(sample, len(frame))
         fields = frames.load(frame)
         if fields["epoch"] == before.epoch:
             state = frames.state(fields, before.roster)
@@ -114,6 +125,58 @@ class States(Feed[State]):
             self.missed_ticks += max(0, state.tick - before.tick - 1)
         self._newest = state
         return state
+
+
+class Meter:
+    """How states come, told to the server once a second while they are read.
+
+    Ages are taken where a state is read, by the clocks of both machines. What did not arrive and what was overtaken
+    before it was read cannot be told apart here.
+    """
+
+    def __init__(self, session: zenoh.Session, key: str) -> None:
+        self._session = session
+        self._key = key
+        self._since = time.monotonic()
+        self._sequence: int | None = None
+        self._received = 0
+        self._missed = 0
+        self._bytes = 0
+        self._ages_ms: list[float] = []
+
+    def read(self, sample: zenoh.Sample, length: int) -> None:
+        """Takes in a state that was read."""
+        self._received += 1
+        self._bytes += length
+        stamp = b"" if sample.attachment is None else sample.attachment.to_bytes()
+        if len(stamp) != _STAMP.size:
+            return
+        sequence, wall_ns = _STAMP.unpack(stamp)
+        # A number that is not larger is that of a server begun anew.
+        if self._sequence is not None and sequence > self._sequence:
+            self._missed += sequence - self._sequence - 1
+        self._sequence = sequence
+        self._ages_ms.append((time.time_ns() - wall_ns) / 1e6)
+
+    def report(self) -> None:
+        """Tells the server, if it is time."""
+        over_s = time.monotonic() - self._since
+        if over_s < _REPORT_EVERY_S or self._session.is_closed():
+            return
+        ages, steps = sorted(self._ages_ms), [abs(b - a) for a, b in itertools.pairwise(self._ages_ms)]
+        report = {
+            "states_per_s": len(ages) / over_s,
+            "bytes_per_s": self._bytes / over_s,
+            "age_ms": [ages[len(ages) // 2], ages[-1]] if ages else None,
+            "jitter_ms": sum(steps) / len(steps) if steps else None,
+            "received": self._received,
+            "lost": None,
+            "overtaken": self._missed,
+        }
+        self._session.put(self._key, json.dumps(report), congestion_control=zenoh.CongestionControl.DROP)
+        self._since = time.monotonic()
+        self._bytes = 0
+        self._ages_ms.clear()
 
 
 def _is_news(state: State, before: State) -> bool:

@@ -32,6 +32,8 @@ Direction: TypeAlias = Literal["up", "down", "left", "right", "stop"] | Sequence
 
 Rectangle: TypeAlias = tuple[float, float, float, float]
 """x0, y0, x1, y1 in metres, low before high."""
+RunState: TypeAlias = Literal["stopped", "playing", "paused", "quitting"]
+"""What the clock of an arena does, in the words of ROS `simulation_interfaces`."""
 
 Scope: TypeAlias = Literal["all", "time", "state", "spawned"]
 """What a reset takes back."""
@@ -93,6 +95,8 @@ class NewBall(_Body, total=False):
 _LOOK_AGAIN_S = 0.05
 _AS_LONG_AS_IT_LIVES_S = 1e6
 _TOO_MANY = 101
+_ARENA_COMMAND = "ballroom/v1/@arenas/command"
+_ARENA_LIST = "ballroom/v1/@arenas/list"
 
 
 class Server:
@@ -134,7 +138,7 @@ class Server:
 
     def states(self, timeout_s: float | None = None) -> States:
         """The present state and then the newest, for ever, or until none came for `timeout_s`."""
-        return States(self._session, f"{self._prefix}/state", timeout_s, self.world)
+        return States(self._session, self._prefix, timeout_s, self.world)
 
     def events(self, timeout_s: float | None = None) -> Hits:
         """Hits from now on, for ever, or until none came for `timeout_s`."""
@@ -190,6 +194,43 @@ class Server:
     def resume(self) -> Reply:
         """Lets the clock run."""
         return self._command("resume")
+
+    def run_state(self) -> RunState:
+        """What the clock does."""
+        state: RunState = self._ask_json("state")["state"]
+        return state
+
+    def set_state(self, state: RunState) -> Reply:
+        """Sets what the clock does: `stopped` pauses and resets everything, `quitting` ends this arena."""
+        return self._command("set_state", state=state, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def arenas(self) -> dict[str, dict[str, Any]]:
+        """The arenas of the server's process by name: scene, state, tick, rate, number of balls."""
+        return {row["arena"]: row for row in json.loads(self._ask(_ARENA_LIST))["arenas"]}
+
+    def start_arena(  # noqa: PLR0913
+        self,
+        arena: str,
+        scene: str | None = None,
+        *,
+        toml: str | None = None,
+        balls: int | None = None,
+        tick_rate_hz: int = 60,
+        paused: bool = False,
+        record: bool = False,
+    ) -> Server:
+        """Runs one more arena in the server's process and gives a session with it, to be closed by whoever asked.
+
+        The scene is one of `scenes()` by name, or the text of a scene file. It ends with `stop_arena`, not with the
+        session.
+        """
+        fields = {"arena": arena, "scene": scene, "toml": toml, "balls": balls, "tick_rate_hz": tick_rate_hz}
+        self._command("start", _AS_LONG_AS_IT_LIVES_S, _ARENA_COMMAND, **fields, paused=paused, record=record)
+        return Server(self.endpoint, arena, self.timeout_s)
+
+    def stop_arena(self, arena: str) -> Reply:
+        """Ends an arena of the server's process; with its last the process ends."""
+        return self._command("stop", _AS_LONG_AS_IT_LIVES_S, _ARENA_COMMAND, arena=arena)
 
     def step(self, ticks: int = 1) -> State:
         """Advances a paused arena and gives the state of exactly that tick."""
@@ -275,9 +316,29 @@ class Server:
         plain = {name: _plain(value) for name, value in values.items()}
         return self._command("set_parameters", values=plain, timeout_s=_AS_LONG_AS_IT_LIVES_S)
 
-    def load_scene(self, name: str | None = None, *, toml: str | None = None) -> Reply:
-        """Goes on with another scene as a new epoch: one of `scenes()` by name, or the text of a scene file."""
-        return self._command("load_scene", name=name, toml=toml, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+    def load_scene(self, name: str | None = None, *, toml: str | None = None, balls: int | None = None) -> Reply:
+        """Goes on with another scene as a new epoch: one of `scenes()` by name, or the text of a scene file.
+
+        `balls` is how many there shall be, for a scene with one cloud.
+        """
+        return self._command("load_scene", name=name, toml=toml, balls=balls, timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def reload_scene(self) -> Reply:
+        """Reads the scene's file that the arena was started with again, and begins with it as a new epoch."""
+        return self._command("reload_scene", timeout_s=_AS_LONG_AS_IT_LIVES_S)
+
+    def check(self, toml: str) -> dict[str, Any]:
+        """Whether the text of a scene file could be run, without touching what runs.
+
+        `ok` says so; `fault` then names line, column, field and what would be right, or `scene` holds what is proved
+        about its floor.
+        """
+        answer = json.loads(self._ask("check", toml.encode(), _AS_LONG_AS_IT_LIVES_S))
+        return dict(answer)
+
+    def clients(self) -> list[dict[str, Any]]:
+        """Who reads the states, and how they come: age, jitter, losses, rates."""
+        return list(self._ask_json("clients")["clients"])
 
     def rewind(self, seconds: float | None = None, *, tick: int | None = None, epoch: int | None = None) -> Reply:
         """Goes back along what happened, to the state that was published there, and on from it as a new epoch.
@@ -390,20 +451,23 @@ class Server:
                 self._slow_down(refused, deadline)
 
     def _ask_once(self, question: str, payload: bytes | None, timeout_s: float) -> bytes:
+        is_whole_key = question in (_ARENA_COMMAND, _ARENA_LIST)
+        question = question if is_whole_key else f"srv/{question}"
+        key = question if is_whole_key else f"{self._prefix}/{question}"
         try:
-            replies = self._session.get(f"{self._prefix}/srv/{question}", payload=payload, timeout=timeout_s)
+            replies = self._session.get(key, payload=payload, timeout=timeout_s)
         except zenoh.ZError as why:
-            raise BallroomError(f"srv/{question} cannot be asked: {why}") from why
+            raise BallroomError(f"{question} cannot be asked: {why}") from why
         for reply in replies:
             if reply.ok is not None:
                 answer: bytes = reply.ok.payload.to_bytes()
                 return answer
             why_not = reply.err.payload.to_string() if reply.err is not None else "no reason given"
             if why_not == "Timeout":
-                raise NoAnswerError(f"{self.endpoint} did not answer srv/{question} within {timeout_s:g} s")
-            raise RefusedError(f"srv/{question}", why_not)
+                raise NoAnswerError(f"{self.endpoint} did not answer {question} within {timeout_s:g} s")
+            raise _refusal(question, why_not)
         raise NoServerError(
-            f"srv/{question} stays unanswered: the server at {self.endpoint} went away, or has more to answer "
+            f"{question} stays unanswered: the server at {self.endpoint} went away, or has more to answer "
             "than it can hold; whether it was obeyed is unknown"
         )
 
@@ -413,12 +477,12 @@ class Server:
             raise FrameError(f"srv/{question} answered no JSON object")
         return answer
 
-    def _command(self, verb: str, timeout_s: float | None = None, **fields: object) -> Reply:
+    def _command(self, verb: str, timeout_s: float | None = None, question: str = "command", **fields: object) -> Reply:
         given = {name: value for name, value in fields.items() if value is not None}
         line = json.dumps({"cmd": verb, **given}).encode()
         deadline = time.monotonic() + self.timeout_s
         while True:
-            reply = json.loads(self._ask("command", line, timeout_s))
+            reply = json.loads(self._ask(question, line, timeout_s))
             if reply["ok"]:
                 return Reply(tick=reply["tick"], epoch=reply["epoch"])
             self._slow_down(RefusedError(verb, reply["error"], reply.get("code")), deadline)
@@ -426,8 +490,7 @@ class Server:
     @staticmethod
     def _slow_down(refused: RefusedError, deadline: float) -> None:
         """Sleeps when it was only too fast, for then nothing was done; raises any other refusal."""
-        too_fast = refused.code == _TOO_MANY or refused.reason.startswith("too many questions")
-        if not too_fast or time.monotonic() > deadline:
+        if refused.code != _TOO_MANY or time.monotonic() > deadline:
             raise refused
         time.sleep(_LOOK_AGAIN_S)
 
@@ -450,6 +513,15 @@ def _jsonable(value: object) -> object:
     """Words and lists of words as they are, numbers as JSON takes them."""
     is_words = isinstance(value, Sequence) and all(isinstance(item, str) for item in value)
     return value if isinstance(value, str | bool) or is_words else _plain(value)
+
+
+def _refusal(question: str, why_not: str) -> RefusedError:
+    """Why a question was not answered; what Zenoh itself says is no reply of the server."""
+    try:
+        reply = json.loads(why_not)
+        return RefusedError(question, reply["error"], reply["code"])
+    except (ValueError, TypeError, KeyError):
+        return RefusedError(question, why_not)
 
 
 def _plain(value: object) -> object:
