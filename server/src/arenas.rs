@@ -175,8 +175,7 @@ impl Arenas {
         };
         let text = text.with_balls(balls);
         self.places.insert(arena.clone(), Place::Starting);
-        let options =
-            ArenaOptions { arena, tick_rate_hz, paused, record, network: NetworkOptions::default() };
+        let options = ArenaOptions { arena, tick_rate_hz, paused, record, ..ArenaOptions::default() };
         let (link, started) = (self.link.clone(), self.started.0.clone());
         Ok(move |answer| {
             std::thread::spawn(move || {

@@ -47,7 +47,7 @@ fn work(questions: Receiver<(String, Tell)>) {
 fn check(text: &SceneText) -> Result<Check, SceneError> {
     let loaded = Arc::new(text.load()?);
     let simulation = Simulation::new(loaded.clone(), 1, 0)?;
-    let start = simulation.places().start();
+    let start = simulation.world().start();
     let certificate = certify(start.patch(), &-loaded.physics().gravity);
     let [flattest, steepest] = certificate.steepest_cosine.map(|cosine| cosine.min(1.0).acos().to_degrees());
     let roster = simulation.roster();

@@ -10,7 +10,7 @@ use crate::network;
 use crate::recording::{Audience, Reader, ReplayError, Verdict, begin, replay_before};
 use crate::simulation::{NumberedHit, Simulation};
 use crate::wanted::Moment;
-use protocol::command::{Command, Refusal, Reply, SpeedFactor, code};
+use protocol::command::{Command, Refusal, Reply, RunState, SpeedFactor, code};
 use protocol::stats::Stats;
 use std::io::Read;
 use std::sync::Arc;
@@ -39,8 +39,12 @@ pub struct Screening<R> {
     handover: Arc<Handover>,
     diary: Diary,
     publisher: JoinHandle<()>,
-    endpoint: String,
+    link: network::Link,
     paused: bool,
+}
+
+const fn run_state(paused: bool) -> RunState {
+    if paused { RunState::Paused } else { RunState::Playing }
 }
 
 impl<R: Read> Screening<R> {
@@ -50,23 +54,24 @@ impl<R: Read> Screening<R> {
         let options = ArenaOptions { tick_rate_hz: simulation.tick_rate_hz(), ..options.clone() };
         let (inbox, handover) = (Arc::new(Inbox::default()), Arc::new(Handover::new()));
         let (archive, diary) = Archive::new(&simulation, Settings::live(0));
-        let network = network::Network::open(&options, &simulation, &inbox, handover.clone(), archive)
+        handover.set_run_state(run_state(options.paused));
+        let link = network::Link::open(&options.network).map_err(ArenaError::from)?;
+        let network = network::Network::open(&link, &options, &simulation, &inbox, handover.clone(), archive)
             .map_err(ArenaError::from)?;
-        let endpoint = network.endpoints().first().cloned().unwrap_or_default();
         let thread = std::thread::Builder::new().name("publish".into());
         let publisher = thread.spawn(move || network.run()).map_err(ArenaError::from)?;
         let paused = options.paused;
-        Ok(Self { reader, simulation, inbox, handover, diary, publisher, endpoint, paused })
+        Ok(Self { reader, simulation, inbox, handover, diary, publisher, link, paused })
     }
 
     /// Where clients connect to.
     pub fn endpoint(&self) -> &str {
-        &self.endpoint
+        self.link.endpoints().first().map_or("", String::as_str)
     }
 
     /// Shows it to its end, to the first difference, or until `stop` says so.
     pub fn run(self, speed: SpeedFactor, stop: impl Fn() -> bool) -> Result<Verdict, ScreeningError> {
-        let Self { mut reader, simulation, inbox, handover, diary, publisher, paused, .. } = self;
+        let Self { mut reader, simulation, inbox, handover, diary, publisher, link, paused } = self;
         let mut projector = Projector {
             stop,
             inbox: inbox.clone(),
@@ -92,6 +97,7 @@ impl<R: Read> Screening<R> {
         projector.end();
         // Whoever panicked has said so.
         drop(publisher.join());
+        link.close();
         Ok(shown?.0)
     }
 }
@@ -239,6 +245,7 @@ impl<S: Fn() -> bool> Projector<S> {
             Command::Pause {} | Command::Resume {} => {
                 self.end_steps(interrupted());
                 self.clock.paused = matches!(command, Command::Pause {});
+                self.handover.set_run_state(run_state(self.clock.paused));
             }
             Command::Speed { factor } => self.clock.set_speed(*factor),
             Command::Step { .. } if !self.clock.paused => {

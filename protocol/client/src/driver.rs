@@ -3,7 +3,7 @@
 use crate::client::{Client, ClientError};
 use crate::window::{Wanted, Window};
 use protocol::codec;
-use protocol::command::{Direction, SteerMode};
+use protocol::command::{Direction, Reply, SteerMode};
 use protocol::keys::{Name, Role};
 use protocol::player::{Ack, Acted, Claim, Grant, MAX_WINDOW, Release};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -83,7 +83,10 @@ impl Client {
             codec::decode_json(&self.ask_with(&key, Some(&codec::encode_json(&claim)))?)?;
         match claimed.grant {
             Some(grant) => Driver::new(self.clone(), grant),
-            None => Err(ClientError::Refused { question: key, why: claimed.reply.error }),
+            None => {
+                let Reply { code, error: why, .. } = claimed.reply;
+                Err(ClientError::Refused { question: key, why, code })
+            }
         }
     }
 }

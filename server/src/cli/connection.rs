@@ -60,11 +60,6 @@ pub struct Asked {
 }
 
 impl Asked {
-    /// Where the server is.
-    pub const fn connection(&self) -> &Connection {
-        &self.connection
-    }
-
     /// A session with the server.
     pub fn client(&self, timeout: Duration) -> anyhow::Result<Client> {
         self.connection.open(Abort::default(), timeout)

@@ -6,9 +6,9 @@ use anyhow::{Context, bail};
 use ballroom_client::Abort;
 use protocol::command::SpeedFactor;
 use protocol::keys::Name;
-use server::ArenaOptions;
 use server::recording::{Ending, Reader, ReplayError, Verdict, replay};
 use server::screening::{Screening, ScreeningError};
+use server::{ArenaOptions, NetworkOptions};
 use std::io::{Write, stdout};
 use std::path::PathBuf;
 
@@ -63,9 +63,12 @@ impl Show {
         let options = ArenaOptions {
             arena: self.arena,
             paused: self.paused,
-            listen: self.listen,
-            config: self.zenoh.config,
-            settings: self.zenoh.cfg,
+            network: NetworkOptions {
+                listen: self.listen,
+                connect: Vec::new(),
+                config: self.zenoh.config,
+                settings: self.zenoh.cfg,
+            },
             ..ArenaOptions::default()
         };
         let screening = Screening::open(reader, &options)?;

@@ -100,12 +100,12 @@ impl Save {
         if file.exists() {
             bail!("{} is there already: name a new file to save to", file.display());
         }
-        let client = self.asked.connection().open(Abort::default(), LONG_TIMEOUT)?;
+        let client = self.asked.client(LONG_TIMEOUT)?;
         let saved = client.checkpoint(self.slot.as_deref())?;
         checkpoint_file::write(&saved, &file)?;
         let (tick, time_s) = (saved.tick, saved.time_s);
         let mut out = std::io::stdout();
-        if self.asked.is_json() {
+        if self.asked.wants_json() {
             let told =
                 serde_json::json!({ "file": file, "scene": saved.scene, "tick": tick, "time_s": time_s });
             writeln!(out, "{told}")?;

@@ -10,7 +10,6 @@ use protocol::command::{Refusal, Reply};
 use protocol::listing::Selection;
 use protocol::player::Claimed;
 use protocol::timeline::SavedState;
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Instant;
 use zenoh::Wait;

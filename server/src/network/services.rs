@@ -208,7 +208,7 @@ impl Gate {
     /// In front of an arena.
     pub fn new(
         inbox: &Arc<Inbox>,
-        answers: &Answers,
+        answers: &Answers<Answer>,
         workshop: Workshop,
         players: &Arc<Players>,
         latest: &Arc<Latest>,
