@@ -30,7 +30,7 @@ const TABLE: [Row; 10] = [
         name: "restitution",
         unit: "",
         range: Some([0.0, 1.0]),
-        meaning: "coefficient of restitution of every hit from now on; held at what it is in hits slower than 1e-6 m/s",
+        meaning: "coefficient of restitution of every hit",
         get: |scene| Some(Value::Number(scene.restitution)),
         set: Set::Number(|scene, e| scene.restitution = e),
     },
@@ -185,4 +185,35 @@ pub fn set(scene: &mut Scene, name: &str, value: &Value) -> Result<(), Refusal> 
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene_file::SceneText;
+
+    #[test]
+    fn what_is_listed_as_settable_takes_both_ends_of_its_range_and_nothing_beyond() {
+        let mut scene = SceneText::built_in("original").unwrap().parse().unwrap();
+        let mut settable = 0;
+        for parameter in list(&scene, 60).into_iter().filter(|parameter| parameter.settable) {
+            let (name, [low, high]) = (parameter.name.as_str(), parameter.range.unwrap());
+            for (x, is_fine) in
+                [(low, true), (high, true), (low - 1.0, false), (high + 1e9, false), (f64::NAN, false)]
+            {
+                // Gravity may point anywhere but up.
+                let value = match parameter.value {
+                    Value::Vector(_) => Value::Vector([x, x, -1.0]),
+                    _ => Value::Number(x),
+                };
+                assert_eq!(set(&mut scene, name, &value).is_ok(), is_fine, "{name} = {x}");
+                let now = list(&scene, 60).into_iter().find(|parameter| parameter.name == name).unwrap();
+                assert_eq!(now.value == value, is_fine, "{name} = {x}");
+            }
+            assert!(set(&mut scene, name, &Value::Word("much".into())).is_err());
+            settable += 1;
+        }
+        assert_eq!(settable, 7);
+        assert!(set(&mut scene, "motion", &Value::Word("rolling".into())).is_err());
+    }
 }

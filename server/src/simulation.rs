@@ -478,4 +478,46 @@ mod tests {
         });
         assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:x?}");
     }
+
+    #[test]
+    fn a_held_force_stays_with_its_ball_when_others_come_before_it() {
+        let guest = r#"[{"name":"a","uv":[0.05,0.95],"radius_m":0.2,"mass_kg":1}]"#;
+        let balls: Vec<protocol::scene::Ball> = serde_json::from_str(guest).unwrap();
+        let run = |guest_at: Option<u64>| {
+            let mut simulation = original();
+            simulation.steer(None, UP, SteerMode::Force).unwrap();
+            for tick in 0..60 {
+                if guest_at == Some(tick) {
+                    let mut change = Change::spawn(simulation.world(), &balls).unwrap();
+                    simulation.change(&mut change).unwrap();
+                    assert!(simulation.change(&mut change).is_err(), "a change acts once");
+                }
+                simulation.advance();
+            }
+            assert!(simulation.held.is_empty(), "the force has run out");
+            let player = simulation.world().ball("player").unwrap();
+            (player, state(&simulation).center_m[player])
+        };
+        let ((alone, there), (beside, here)) = (run(None), run(Some(10)));
+        assert_eq!((alone + 1, there), (beside, here));
+    }
+
+    #[test]
+    fn a_state_reset_is_refused_where_what_was_spawned_takes_the_room() {
+        let mut simulation = original();
+        let start = state(&simulation).center_m[1];
+        (0..120).for_each(|_| simulation.advance());
+        let ball =
+            format!(r#"[{{"name":"a","center_m":[{},{}],"radius_m":0.2,"mass_kg":1}}]"#, start[0], start[1]);
+        let balls: Vec<protocol::scene::Ball> = serde_json::from_str(&ball).unwrap();
+        simulation.change(&mut Change::spawn(simulation.world(), &balls).unwrap()).unwrap();
+        let before = simulation.state_hash();
+        let refused = simulation.reset(Scope::State).unwrap_err();
+        assert!(refused.why.contains("\"a\" and \"player\" would overlap"), "{refused}");
+        assert_eq!(simulation.state_hash(), before);
+        let gone = simulation.deletion(&Selection { spawned: Some(true), ..Selection::default() });
+        simulation.change(&mut gone.unwrap()).unwrap();
+        simulation.reset(Scope::State).unwrap();
+        assert_eq!(state(&simulation).center_m[1], start);
+    }
 }
