@@ -106,7 +106,7 @@ pub fn features() -> Features {
             of(&[("max_readers", MAX_READERS as f64), ("max_report_bytes", MAX_REPORT_BYTES as f64)]),
         ),
         (
-            "@arenas",
+            "arenas",
             of(&[long, ("max_arenas", MAX_ARENAS as f64), ("max_recordings", MAX_RECORDINGS as f64)]),
         ),
     ];

@@ -290,7 +290,12 @@ impl TickLoop {
     }
 
     fn set_state(&mut self, state: RunState, ready: Ready) -> Result<(), Refusal> {
-        self.interrupt_stepping(state.name());
+        self.interrupt_stepping(match state {
+            RunState::Stopped => "stopped",
+            RunState::Playing => "resumed",
+            RunState::Paused => "paused",
+            RunState::Quitting => "told to quit",
+        });
         self.paused = state != RunState::Playing;
         if state == RunState::Stopped {
             self.change_world(&Command::Reset { scope: Scope::All, seed: None }, ready)?;
