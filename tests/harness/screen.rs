@@ -20,7 +20,7 @@ const REQUIRED: &str = "BALLROOM_REQUIRE_VIEWER";
 /// Mesa's software Vulkan, where it is installed: the same pixels on every machine.
 const SOFTWARE_VULKAN: &str = "/usr/share/vulkan/icd.d";
 /// A first picture in software takes seconds on a busy machine.
-const SLOW: Duration = Duration::from_secs(180);
+const SLOW: Duration = Duration::from_mins(3);
 
 /// A viewer's process.
 pub struct Screen {

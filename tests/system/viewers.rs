@@ -26,7 +26,7 @@ fn a_real_viewer_holds_the_newest_tick_and_draws_the_balls_where_they_are() {
     let Some(mut screen) = Screen::watching(&url) else { return };
     for _ in 0..3 {
         let tick = client.command(&Command::Step { ticks: 20 }).unwrap().tick;
-        let held = until("the viewer to hold the newest tick", Duration::from_secs(120), || {
+        let held = until("the viewer to hold the newest tick", Duration::from_mins(2), || {
             screen.newest().get("tick").copied().filter(|held| *held == i64::try_from(tick).unwrap())
         });
         let age_ms = (wall_ns() - client.snapshot().unwrap().snapshot.wall_ns) as f64 * 1e-6;
