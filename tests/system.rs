@@ -14,3 +14,5 @@ mod recordings;
 mod replays;
 #[path = "system/states.rs"]
 mod states;
+#[path = "system/viewers.rs"]
+mod viewers;

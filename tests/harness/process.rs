@@ -57,9 +57,19 @@ impl Process {
         Self::spawn(format!("{program} {}", arguments.join(" ")), command)
     }
 
-    /// Starts any command, without a terminal.
+    /// Starts a program that may write so many blocks of 512 bytes into a file; beyond that writing fails.
+    pub fn start_limited(program: &str, arguments: &[&str], blocks: u32) -> Self {
+        let mut command = Command::new("sh");
+        let limited = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$@\"");
+        command.args(["-c", &limited, "sh"]).arg(path_of(program)).args(arguments);
+        Self::spawn(format!("{program} {}", arguments.join(" ")), command)
+    }
+
+    /// Starts any command, without a terminal or a screen.
     pub fn spawn(name: String, mut command: Command) -> Self {
         command
+            .env_remove("DISPLAY")
+            .env_remove("WAYLAND_DISPLAY")
             .env_remove("RUST_LOG")
             .env_remove("ZENOH_CONFIG")
             .stdin(Stdio::null())
@@ -85,6 +95,16 @@ impl Process {
     pub fn last_said(&self) -> (usize, String) {
         let lines = self.stdout.lock();
         (lines.len(), lines.last().cloned().unwrap_or_default())
+    }
+
+    /// Everything it logged so far.
+    pub fn words(&self) -> String {
+        self.stderr.text()
+    }
+
+    /// Whether it has ended.
+    pub fn has_ended(&mut self) -> bool {
+        self.child.try_wait().is_ok_and(|status| status.is_some())
     }
 
     /// Sends a signal.

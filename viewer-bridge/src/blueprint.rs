@@ -66,17 +66,14 @@ fn layout(sights: &Sights) -> Blueprint {
         )
 }
 
-/// Plots on two tabs: the arena, and its balls.
+/// Plots on three tabs: the arena, its balls, and what serves them.
 fn figures() -> Tabs {
     let plot =
         |name: &str, path: &str| -> ContainerLike { TimeSeriesView::new(name).with_origin(path).into() };
-    let server = [plot("Tick time [ms]", plots::TICK_TIME), plot("Speed", plots::SPEED)];
     let arena = Vertical::new([
         plot("Energy drift since the start, relative", plots::ENERGY),
         plot("Energy [J]", energy_plots::PARTS),
         plot("Hits per simulated second", plots::HITS),
-        Horizontal::new(server).into(),
-        plot("Bridge [states / s]", plots::BRIDGE),
     ]);
     let balls = Vertical::new([
         plot("Kinetic energy [J]", energy_plots::KINETIC),
@@ -84,7 +81,16 @@ fn figures() -> Tabs {
         plot("Potential energy [J]", energy_plots::POTENTIAL),
         plot("Reaction of the floor [N]", energy_plots::REACTION),
     ]);
-    Tabs::new([arena.with_name("Arena").into(), balls.with_name("Balls").into()])
+    let server = Vertical::new([
+        plot("Tick time [ms]", plots::TICK_TIME),
+        plot("Speed", plots::SPEED),
+        plot("Bridge [states / s]", plots::BRIDGE),
+    ]);
+    Tabs::new([
+        arena.with_name("Arena").into(),
+        balls.with_name("Balls").into(),
+        server.with_name("Server").into(),
+    ])
 }
 
 fn add_properties(
@@ -108,7 +114,7 @@ fn add_properties(
             (format!("{path}/Background"), &background),
         ];
         properties.extend(view.hidden().iter().map(|entity| -> (String, &dyn AsComponents) {
-            (format!("{path}/ViewContents/overrides/{entity}"), &hidden)
+            (format!("{path}/ViewContents/overrides/{entity}/visualizers"), &hidden)
         }));
         layout.add(&properties)?;
         if let Some(tabs) = part(VIEWS).filter(|_| view.same_tab(first)) {
@@ -189,7 +195,10 @@ mod tests {
         let count = |end: &str| paths.iter().filter(|path| path.ends_with(end)).count();
         assert_eq!((count("/EyeControls3D"), count("/Background"), count("/TextLogColumns")), (6, 6, 1));
         assert_eq!(count("/VisibleTimeRanges"), 10);
-        assert_eq!((count("/overrides/world/net"), count("/overrides/world/overlays")), (5, 5));
+        assert_eq!(
+            (count("/overrides/world/net/visualizers"), count("/overrides/world/overlays/visualizers")),
+            (5, 5)
+        );
     }
 
     #[test]

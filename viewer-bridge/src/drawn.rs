@@ -98,7 +98,7 @@ impl Drawn {
         }
         if before.is_none_or(|before| before.roster != self.roster) {
             self.balls.log_roster(rec, &self.roster, before.map_or(0, |before| before.balls.groups()))?;
-            OverlayView::clear(rec)?;
+            self.overlays.log_looks(rec)?;
             self.energy.log_names(rec, &self.roster)?;
         }
         Ok(())

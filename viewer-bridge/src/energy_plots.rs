@@ -73,6 +73,7 @@ impl EnergyPlots {
         rec.log(KINETIC, &lines(&|ball| energy(ball).kinetic_j))?;
         rec.log(SPIN, &lines(&|ball| energy(ball).spin_j))?;
         rec.log(POTENTIAL, &lines(&|ball| energy(ball).potential_j))?;
-        rec.log(REACTION, &lines(&|ball| self.mechanics.reaction_n(surface, roster, state, ball)))
+        let jet = |ball: usize| surface.jet(state.uv[ball][0], state.uv[ball][1]);
+        rec.log(REACTION, &lines(&|ball| self.mechanics.reaction_n(&jet(ball), roster, state, ball)))
     }
 }

@@ -57,7 +57,7 @@ pub fn serve(hub: Arc<Hub>, listen: IpAddr) -> Result<Live> {
     watch::serve(hub, grpc, &origins).context("cannot serve viewers")?;
     serve_web_viewer(listen, web_port)?;
     let web_url = format!(
-        "http://{}?url={}",
+        "http://{}/?url={}",
         SocketAddr::new(host, web_port),
         grpc_url.replace('+', "%2B").replace(':', "%3A").replace('/', "%2F")
     );

@@ -47,7 +47,7 @@ struct Arguments {
     /// Write everything to this Rerun recording too
     #[arg(long, value_name = "FILE.rrd")]
     save: Option<PathBuf>,
-    /// Send to a viewer elsewhere, for instance rerun+http://192.168.1.30:9876/proxy or 192.168.1.30:9876
+    /// Send to a viewer elsewhere, for instance 192.168.1.30:9876
     #[arg(long, value_name = "URL", value_parser = live::viewer_address)]
     connect: Option<ProxyUri>,
     /// Let other machines watch: the address to serve viewers on, 0.0.0.0 for all this machine has

@@ -1,6 +1,6 @@
 //! What follows from a ball's state and its constants: its energy in three parts, and the floor's reaction.
 
-use crate::surface::Surface;
+use crate::surface::Jet;
 use nalgebra::{Matrix2, Vector2, Vector3};
 use protocol::scene::{Motion, Scene};
 use protocol::snapshot::{Roster, Snapshot};
@@ -58,17 +58,14 @@ impl Mechanics {
         }
     }
 
-    /// The force with which the floor presses on a ball along its normal, N. Below 0 the floor would have to pull.
+    /// The force with which the floor, `jet` at the ball's (u, v), presses on it along the normal, N. Below 0 the floor would have to pull.
     ///
     /// The centre stays a radius r above the contact point S, so with w its velocity and n the upward normal
     /// `w.n = 0` always, and `n.w' = -n'.w`. Newton's law along n then gives `N = -m (g.n + n'.w)`, where the
     /// contact point moves with q' from `(I - r II) q' = [S_u.w; S_v.w]`, and `n'.w = -q'.II I^-1 [S_u.w; S_v.w]`
     /// (Weingarten). A force that a player holds is not on the wire, so its part along n is missing here.
-    pub fn reaction_n(&self, surface: &Surface, roster: &Roster, state: &Snapshot, ball: usize) -> f64 {
-        let [u, v] = state.uv[ball];
-        let jet = surface.jet(u, v);
-        let Some(normal) = jet.du.cross(&jet.dv).try_normalize(0.0) else { return 0.0 };
-        let normal = if normal.z < 0.0 { -normal } else { normal };
+    pub fn reaction_n(&self, jet: &Jet, roster: &Roster, state: &Snapshot, ball: usize) -> f64 {
+        let normal = jet.normal;
         let velocity = Vector3::from(state.velocity_m_per_s[ball]);
         let form = |a: f64, b: f64, c: f64| Matrix2::new(a, b, b, c);
         let first = form(jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared());
@@ -86,6 +83,7 @@ impl Mechanics {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::Surface;
     use protocol::scene::{Floor, Term};
 
     const GRAVITY: f64 = 9.8;
@@ -123,11 +121,15 @@ mod tests {
     fn a_ball_at_rest_presses_with_its_weight_and_on_a_slope_with_its_part() {
         let (mechanics, roster, state) = ball([0.0; 3]);
         let weight = 2.0 * GRAVITY;
-        assert!((mechanics.reaction_n(&trough(0.3), &roster, &state, 0) - weight).abs() < 1e-12);
+        assert!(
+            (mechanics.reaction_n(&trough(0.3).jet(0.5, 0.5), &roster, &state, 0) - weight).abs() < 1e-12
+        );
         let slope = vec![Term { px: 1, py: 0, c: 0.75 }];
         let slope =
             Surface::of(&Floor::Polynomial { x_m: [-4.0, 4.0], y_m: [-4.0, 4.0], terms: slope }).unwrap();
-        assert!((mechanics.reaction_n(&slope, &roster, &state, 0) - 0.8 * weight).abs() < 1e-12);
+        assert!(
+            (mechanics.reaction_n(&slope.jet(0.5, 0.5), &roster, &state, 0) - 0.8 * weight).abs() < 1e-12
+        );
     }
 
     #[test]
@@ -138,11 +140,11 @@ mod tests {
             let path: f64 = 1.0 / (2.0 * c) - 0.5;
             let expected = 2.0 * (GRAVITY + speed * speed / path);
             let (mechanics, roster, state) = ball([speed, 0.0, 0.0]);
-            let found = mechanics.reaction_n(&trough(c), &roster, &state, 0);
+            let found = mechanics.reaction_n(&trough(c).jet(0.5, 0.5), &roster, &state, 0);
             assert!((found - expected).abs() < 1e-11 * expected.abs(), "{c}: {found} {expected}");
             // Along the trough nothing turns.
             let (mechanics, roster, state) = ball([0.0, speed, 0.0]);
-            let found = mechanics.reaction_n(&trough(c), &roster, &state, 0);
+            let found = mechanics.reaction_n(&trough(c).jet(0.5, 0.5), &roster, &state, 0);
             assert!((found - 2.0 * GRAVITY).abs() < 1e-11);
         }
     }

@@ -6,6 +6,7 @@ use crate::mechanics::Mechanics;
 use crate::palette;
 use crate::recording::Recording;
 use crate::scene_view::SceneView;
+use crate::surface::Jet;
 use nalgebra::Vector3;
 use protocol::snapshot::{Roster, Snapshot};
 use rerun::{Arrows3D, Clear, Points3D, Radius, RecordingStreamResult};
@@ -44,9 +45,25 @@ impl OverlayView {
         Self { balls, unsteered, mechanics, gravity: Vector3::from(gravity_m_per_s2).norm() }
     }
 
-    /// Takes away what an earlier roster had.
-    pub fn clear(rec: &Recording) -> RecordingStreamResult<()> {
-        rec.log(OVERLAYS, &Clear::recursive())
+    /// Logs what does not change with the state, and takes away what an earlier roster had.
+    pub fn log_looks(&self, rec: &Recording) -> RecordingStreamResult<()> {
+        rec.log(OVERLAYS, &Clear::recursive())?;
+        let contacts = Points3D::update_fields()
+            .with_radii([Radius::new_ui_points(4.0)])
+            .with_colors([palette::color(palette::CONTACT)]);
+        rec.log_static(CONTACTS, &contacts)?;
+        for (path, color) in [(VELOCITIES, palette::VELOCITY), (REACTIONS, palette::REACTION)] {
+            let arrows = Arrows3D::update_fields()
+                .with_radii([Radius::new_ui_points(1.5)])
+                .with_colors([palette::color(color)]);
+            rec.log_static(path, &arrows)?;
+        }
+        let names = Points3D::update_fields()
+            .with_labels(self.unsteered.iter().map(|(_, name)| name.as_str()))
+            .with_show_labels(true)
+            .with_radii([Radius::new_ui_points(0.0)])
+            .with_colors([palette::color(palette::NAME)]);
+        rec.log_static(NAMES, &names)
     }
 
     /// Logs the overlays of a state.
@@ -61,34 +78,27 @@ impl OverlayView {
             return Ok(());
         }
         let balls = || self.balls.iter().copied();
+        let jets: Vec<Jet> =
+            balls().map(|ball| floor.surface().jet(state.uv[ball][0], state.uv[ball][1])).collect();
         let touching: Vec<[f32; 3]> =
-            balls().map(|ball| crate::single(floor.above(state.uv[ball]))).collect();
-        let contacts = Points3D::new(touching.iter().copied())
-            .with_radii([Radius::new_ui_points(4.0)])
-            .with_colors([palette::color(palette::CONTACT)]);
-        rec.log(CONTACTS, &contacts)?;
+            jets.iter().map(|jet| crate::single(jet.point + jet.normal * floor.lift_m())).collect();
+        rec.log(CONTACTS, &Points3D::update_fields().with_positions(touching.iter().copied()))?;
 
         let along = balls().map(|ball| crate::single(Vector3::from(state.velocity_m_per_s[ball]) * AHEAD_S));
-        let velocities = Arrows3D::from_vectors(along)
-            .with_origins(balls().map(|ball| crate::single(state.center_m[ball].into())))
-            .with_radii([Radius::new_ui_points(1.5)])
-            .with_colors([palette::color(palette::VELOCITY)]);
-        rec.log(VELOCITIES, &velocities)?;
+        let centers = balls().map(|ball| crate::single(state.center_m[ball].into()));
+        rec.log(VELOCITIES, &Arrows3D::update_fields().with_vectors(along).with_origins(centers))?;
 
-        let reactions = balls().map(|ball| crate::single(self.reaction(floor, roster, state, ball)));
-        let reactions = Arrows3D::from_vectors(reactions)
-            .with_origins(touching)
-            .with_radii([Radius::new_ui_points(1.5)])
-            .with_colors([palette::color(palette::REACTION)]);
-        rec.log(REACTIONS, &reactions)?;
+        let reactions =
+            balls().zip(&jets).map(|(ball, jet)| crate::single(self.reaction(jet, roster, state, ball)));
+        rec.log(REACTIONS, &Arrows3D::update_fields().with_vectors(reactions).with_origins(touching))?;
         self.log_names(rec, roster, state)
     }
 
     /// The reaction as an arrow, m.
-    fn reaction(&self, floor: &SceneView, roster: &Roster, state: &Snapshot, ball: usize) -> Vector3<f64> {
-        let force_n = self.mechanics.reaction_n(floor.surface(), roster, state, ball);
+    fn reaction(&self, jet: &Jet, roster: &Roster, state: &Snapshot, ball: usize) -> Vector3<f64> {
+        let force_n = self.mechanics.reaction_n(jet, roster, state, ball);
         let weights = (force_n / (roster.mass_kg[ball] * self.gravity)).clamp(-MAX_WEIGHTS, MAX_WEIGHTS);
-        floor.normal(state.uv[ball]) * (WEIGHT_RADII * roster.radius_m[ball] * weights)
+        jet.normal * (WEIGHT_RADII * roster.radius_m[ball] * weights)
     }
 
     fn log_names(&self, rec: &Recording, roster: &Roster, state: &Snapshot) -> RecordingStreamResult<()> {
@@ -99,11 +109,6 @@ impl OverlayView {
             let center = Vector3::from(state.center_m[*ball]);
             crate::single(center + Vector3::z() * (1.5 * roster.radius_m[*ball]))
         };
-        let names = Points3D::new(self.unsteered.iter().map(above))
-            .with_labels(self.unsteered.iter().map(|(_, name)| name.as_str()))
-            .with_show_labels(true)
-            .with_radii([Radius::new_ui_points(0.0)])
-            .with_colors([palette::color(palette::NAME)]);
-        rec.log(NAMES, &names)
+        rec.log(NAMES, &Points3D::update_fields().with_positions(self.unsteered.iter().map(above)))
     }
 }

@@ -105,6 +105,11 @@ impl SceneView {
         point + normal * self.lift_m
     }
 
+    /// How far above the floor that is, m.
+    pub const fn lift_m(&self) -> f64 {
+        self.lift_m
+    }
+
     /// The floor's unit normal, upwards.
     pub fn normal(&self, [u, v]: [f64; 2]) -> Vector3<f64> {
         self.surface.frame(u, v).1

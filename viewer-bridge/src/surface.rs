@@ -73,14 +73,14 @@ impl Surface {
         Column { points, du }
     }
 
-    /// The derivatives at (u, v) up to the second.
+    /// The point at (u, v) and the derivatives there up to the second.
     pub fn jet(&self, u: f64, v: f64) -> Jet {
         let mut rows = [const { Vec::new() }; 3];
         for derivatives in self.across(u) {
             rows.iter_mut().zip(derivatives).for_each(|(row, point)| row.push(point));
         }
-        let [[_, dv, dvv], [du, duv, _], [duu, ..]] = rows.map(|row| curve(row.into_iter(), v));
-        Jet { du, dv, duu, duv, dvv }
+        let [[point, dv, dvv], [du, duv, _], [duu, ..]] = rows.map(|row| curve(row.into_iter(), v));
+        Jet { point, normal: upward_normal(&du, &dv), du, dv, duu, duv, dvv }
     }
 
     /// The control points, row by row: `[i][j]` belongs to `B_i(u) B_j(v)`.
@@ -113,9 +113,13 @@ impl Surface {
     }
 }
 
-/// The derivatives of a [`Surface`] at one place, m.
+/// A [`Surface`] at one place, m.
 #[derive(Clone, Copy, Debug)]
 pub struct Jet {
+    /// The point.
+    pub point: Point,
+    /// The unit normal, upwards.
+    pub normal: Point,
     /// By u.
     pub du: Point,
     /// By v.
@@ -139,10 +143,13 @@ impl Column {
     pub fn frame(&self, v: f64) -> (Point, Point) {
         let [point, dv, _] = curve(self.points.iter().copied(), v);
         let [du, ..] = curve(self.du.iter().copied(), v);
-        let normal = du.cross(&dv);
-        let normal = normal.try_normalize(0.0).unwrap_or_else(Point::z);
-        (point, if normal.z < 0.0 { -normal } else { normal })
+        (point, upward_normal(&du, &dv))
     }
+}
+
+fn upward_normal(du: &Point, dv: &Point) -> Point {
+    let normal = du.cross(dv).try_normalize(0.0).unwrap_or_else(Point::z);
+    if normal.z < 0.0 { -normal } else { normal }
 }
 
 /// Place `index` of `count` evenly over an interval.

@@ -169,6 +169,7 @@ mod tests {
     use crate::testing::{self, Ride};
     use crate::{ball_view, energy_plots, hit_view, net_view, overlay_view, plots, scene_view, trail_view};
     use protocol::event::{Event, Other};
+    use protocol::scene::Floor;
     use protocol::stats::Stats;
     use rerun::RecordingStreamBuilder;
     use rerun::external::re_log_encoding::rrd::DecoderApp;
@@ -330,6 +331,48 @@ mod tests {
             (0..3).map(|group| static_rows[&format!("/{}/{group}", ball_view::BALLS)]).collect();
         assert_eq!(groups, [2, 2, 2]);
         assert_eq!(static_rows[&format!("/{}", scene_view::FLOOR)], 1, "the floor is the same");
+    }
+
+    #[test]
+    fn an_edited_floor_is_seen_under_the_same_eyes_and_another_scene_gets_its_own() {
+        let (rec, storage) = testing::recording();
+        let mut view = View::new(rec, NamedView::default());
+        let mut world = testing::original();
+        let mut show = |world: &World| {
+            view.show(&News { world: Some(Arc::new(world.clone())), ..News::default() }).unwrap();
+            view.recording().stream().flush_blocking().unwrap();
+            let (mut replaced, mut drawn) = (vec![], vec![]);
+            for message in storage.take() {
+                match message {
+                    LogMsg::BlueprintActivationCommand(command) => replaced.push(command.make_active),
+                    LogMsg::ArrowMsg(store, arrow) if store.is_recording() => {
+                        let chunk = Chunk::from_arrow_msg(&arrow).unwrap();
+                        drawn.extend(chunk.is_static().then(|| chunk.entity_path().to_string()));
+                    }
+                    _ => {}
+                }
+            }
+            (replaced, drawn)
+        };
+        let (replaced, _) = show(&world);
+        assert_eq!(replaced, [false], "a user's own layout survives a reconnect");
+
+        let Floor::Grid { control_heights_m, .. } = &mut world.scene.floor else { panic!() };
+        control_heights_m[5][7] += 1.0;
+        world.snapshot.epoch += 1;
+        let (replaced, drawn) = show(&world);
+        assert_eq!(replaced.len(), 0);
+        for edited in [scene_view::FLOOR, scene_view::FLOOR_LINES, net_view::NET, net_view::NET_POINTS] {
+            assert!(drawn.contains(&format!("/{edited}")), "{edited} is not in {drawn:?}");
+        }
+        assert!(
+            !drawn.iter().any(|path| path.starts_with("/world/balls")),
+            "the balls are the same: {drawn:?}"
+        );
+
+        world.scene.name = "another".into();
+        world.snapshot.epoch += 1;
+        assert_eq!(show(&world).0, [true]);
     }
 
     #[test]

@@ -60,7 +60,7 @@ fn the_reaction_is_what_newtons_law_needs_for_the_motion_of_the_engine() {
                 let [u, v] = five[2].uv[ball];
                 let pressing = surface.frame(u, v).1.dot(&(acceleration - gravity));
                 let newton_n = roster.mass_kg[ball] * pressing;
-                let found_n = mechanics.reaction_n(&surface, roster, &five[2], ball);
+                let found_n = mechanics.reaction_n(&surface.jet(u, v), roster, &five[2], ball);
                 let weight_n = roster.mass_kg[ball] * gravity.norm();
                 assert!(
                     (found_n - newton_n).abs() < 1e-6 * weight_n,

@@ -24,7 +24,7 @@ use viewer_bridge::view::View;
 use viewer_bridge::{ball_view, push, scene_view, watch};
 
 /// How long anything may take for which no claim says how long.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_mins(1);
 
 fn world(balls: usize) -> World {
     let scene = Scene {

@@ -4,6 +4,8 @@
 mod damage;
 
 use damage::damaged;
+use protocol::arenas::{ArenaCommand, Arenas};
+use protocol::check::Check;
 use protocol::codec::{self, CodecError};
 use protocol::command::Reply;
 use protocol::event::{Event, Events, Other};
@@ -11,10 +13,13 @@ use protocol::info::Info;
 use protocol::keys::{Keys, Name};
 use protocol::listing::{Balls, Features, Scenes, Selection};
 use protocol::player::{Ack, Claim, Claimed, Drive, Players, Release};
+use protocol::report::{Report, Stamp};
 use protocol::scene::Scene;
 use protocol::scene_text;
 use protocol::snapshot::{Roster, Snapshot, World};
+use protocol::state::State;
 use protocol::stats::Stats;
+use protocol::timeline::{HeldForce, SAVED_STATE_FORMAT, SAVED_STATE_VERSION, SavedState, Timeline};
 
 /// Inputs a target in `cargo test`.
 const ITERATIONS: usize = 20_000;
@@ -216,7 +221,8 @@ fn info() {
 #[test]
 fn a_list_of_features() {
     let limits = |name: &str| [(name.to_owned(), [("max_bytes".to_owned(), 512.0)].into())].into();
-    fuzz_json!(Features, &Features { commands: limits("steer"), questions: limits("balls") });
+    let ros = [("SPAWNING".to_owned(), 0)].into();
+    fuzz_json!(Features, &Features { commands: limits("steer"), questions: limits("balls"), ros });
 }
 
 #[test]
@@ -228,6 +234,76 @@ fn a_list_of_scenes() {
 #[test]
 fn a_list_of_balls() {
     fuzz_json!(Balls, &Selection::default().of(&world()));
+}
+
+#[test]
+fn a_command_to_the_process() {
+    let valid = [
+        r#"{"cmd":"start","arena":"left","scene":"gas","balls":40,"tick_rate_hz":120,"paused":true,"record":true}"#,
+        r#"{"cmd":"start","arena":"right","toml":"version = 1"}"#,
+        r#"{"cmd":"stop","arena":"left"}"#,
+    ];
+    fuzz!(valid.map(|text| text.as_bytes().to_vec()), |bytes| {
+        settles(bytes, ArenaCommand::from_json, codec::encode_json);
+    });
+}
+
+#[test]
+fn a_list_of_arenas() {
+    let row = r#"{"name":"main","scene":"bowl","state":"playing","tick_rate_hz":60,"record":null}"#;
+    let text = format!(r#"{{"arenas":[{row}],"max_arenas":32}}"#);
+    fuzz!([text.into_bytes()], |bytes| settles::<Arenas>(bytes, codec::decode_json, codec::encode_json));
+}
+
+#[test]
+fn what_a_reader_reports() {
+    let report =
+        Report { age_ms: Some([0.5, 2.0]), jitter_ms: Some(0.1), lost: Some(3), ..Report::default() };
+    fuzz_json!(Report, &report);
+}
+
+#[test]
+fn what_stands_beside_a_message() {
+    fuzz!([Stamp { sequence: 7, wall_ns: 8 }.to_bytes().to_vec()], |bytes| {
+        if let Some(stamp) = Stamp::from_bytes(bytes) {
+            assert_eq!(stamp.to_bytes()[..], *bytes);
+        }
+    });
+}
+
+#[test]
+fn what_a_check_found() {
+    let fault = r#"{"ok":false,"fault":{"line":3,"column":1,"field":"floor","message":"m","text":"t"}}"#;
+    fuzz!([fault.as_bytes().to_vec()], |bytes| {
+        settles::<Check>(bytes, codec::decode_json, codec::encode_json);
+    });
+}
+
+#[test]
+fn the_state_of_the_clock() {
+    let text = r#"{"state":"paused","number":2,"epoch":1,"tick":2,"time_s":0.5}"#;
+    fuzz!([text.as_bytes().to_vec()], |bytes| {
+        settles::<State>(bytes, codec::decode_json, codec::encode_json);
+    });
+}
+
+#[test]
+fn how_far_back_one_can_go() {
+    fuzz_json!(Timeline, &Timeline::default());
+}
+
+#[test]
+fn a_saved_state() {
+    let saved = SavedState {
+        format: SAVED_STATE_FORMAT.into(),
+        version: SAVED_STATE_VERSION,
+        held: vec![HeldForce { ball: 1, until_tick: 2 }],
+        words: "AAAA".into(),
+        ..SavedState::default()
+    };
+    fuzz!([codec::encode_json(&saved)], |bytes| {
+        settles(bytes, codec::decode_saved_state, codec::encode_json);
+    });
 }
 
 #[test]

@@ -40,6 +40,7 @@ def test_arrays_have_a_row_a_ball_and_64_bits_and_are_read_only(plane: ballroom.
     assert cue.center_m.tolist() == [-3.0, 0.0625, 0.15]
     assert cue.velocity_m_per_s.tolist() == [5.0, 0.0, 0.0]
     assert (cue.radius_m, cue.mass_kg, cue.player, len(state)) == (0.15, 1.0, True, 7)
+    assert np.all(state.roster.inertia_factor == 0.4)
     assert "cue" in state
     assert "eight" not in state
     with pytest.raises(KeyError, match="no ball is named 'eight'"):
