@@ -81,13 +81,11 @@ impl Client {
         let key = self.keys().srv_claim();
         let claimed: protocol::player::Claimed =
             codec::decode_json(&self.ask_with(&key, Some(&codec::encode_json(&claim)))?)?;
-        match claimed.grant {
-            Some(grant) => Driver::new(self.clone(), grant),
-            None => {
-                let Reply { code, error: why, .. } = claimed.reply;
-                Err(ClientError::Refused { question: key, why, code })
-            }
+        if let Some(grant) = claimed.grant {
+            return Driver::new(self.clone(), grant);
         }
+        let Reply { code, error: why, .. } = claimed.reply;
+        Err(ClientError::Refused { question: key, why, code })
     }
 }
 

@@ -44,11 +44,6 @@ impl Serving {
         self.process.wait().unwrap();
     }
 
-    /// Its exit code, when it ends by itself.
-    pub fn ended(mut self) -> Option<i32> {
-        self.process.wait().unwrap().code()
-    }
-
     /// Where it listens.
     pub fn endpoint(&self) -> &str {
         &self.endpoint

@@ -122,7 +122,7 @@ fn a_state_goes_from_a_server_to_a_file_and_on_in_a_run_without_one_and_back() {
     assert_eq!(server.json(0, &["load-state", &later])["tick"], 60);
     done(&client, &Command::Step { ticks: 60 });
     assert_eq!(published(&client), here);
-    done(&client, &Command::LoadScene { name: Some("bowl".into()), toml: None });
+    done(&client, &Command::LoadScene { name: Some("bowl".into()), toml: None, balls: None });
     let refused = server.json(4, &["load-state", &later]);
     assert!(refused["error"].as_str().unwrap().contains("another scene"), "{refused}");
 
@@ -237,7 +237,7 @@ fn a_recording_is_shown_and_its_clock_obeys_whoever_watches() {
     }
     server.kill();
 
-    let (shown, stdout) = Serving::run(&["replay", &ride, "--serve", "--paused", "--json"]);
+    let (mut shown, stdout) = Serving::run(&["replay", &ride, "--serve", "--paused", "--json"]);
     let client = shown.client();
     let world = client.snapshot().unwrap();
     assert_eq!((world.snapshot.state_hash, world.snapshot.tick), (first.snapshot.state_hash, 0));
@@ -254,6 +254,6 @@ fn a_recording_is_shown_and_its_clock_obeys_whoever_watches() {
     let said: Vec<String> = stdout.lines().map(Result::unwrap).collect();
     let verdict: Value = serde_json::from_str(said.last().unwrap()).unwrap();
     assert!(verdict["difference"].is_null() && verdict["last_tick"] == last.tick, "{verdict}");
-    assert_eq!(shown.ended(), Some(0));
+    assert_eq!(shown.ended(), 0);
     assert_eq!(end.tick, last.tick);
 }
