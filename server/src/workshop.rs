@@ -154,26 +154,30 @@ impl Workshop {
 
     /// Has something made ready and passed on, without waiting; or gives back whom to tell why not.
     pub fn give(&self, job: Job, answer: Option<Answer>) -> Result<(), (Option<Answer>, Refusal)> {
-        self.order(Order::Ready(job, answer)).map_err(|(order, why)| match order {
-            Order::Ready(_, answer) => (answer, why),
-            Order::Saved(..) => (None, why),
+        self.order(Order::Ready(job, answer)).map_err(|refused| match *refused {
+            (Order::Ready(_, answer), why) => (answer, why),
+            (Order::Saved(..), why) => (None, why),
         })
     }
 
     /// Has a state written down, without waiting: what a slot holds, or the present one.
     pub fn save(&self, slot: Option<String>, told: Told) {
-        if let Err((Order::Saved(_, told), why)) = self.order(Order::Saved(slot, told)) {
+        if let Err(refused) = self.order(Order::Saved(slot, told))
+            && let (Order::Saved(_, told), why) = *refused
+        {
             told(Err(why));
         }
     }
 
-    fn order(&self, order: Order) -> Result<(), (Order, Refusal)> {
-        self.0.try_send(order).map_err(|error| match error {
-            TrySendError::Full(order) => {
-                let why = format!("{MAX_JOBS} commands that take long wait already: send fewer");
-                (order, Refusal::new(code::TOO_MANY, why))
-            }
-            TrySendError::Disconnected(order) => (order, Refusal::new(code::ENDING, ENDING)),
+    fn order(&self, order: Order) -> Result<(), Box<(Order, Refusal)>> {
+        self.0.try_send(order).map_err(|error| {
+            Box::new(match error {
+                TrySendError::Full(order) => {
+                    let why = format!("{MAX_JOBS} commands that take long wait already: send fewer");
+                    (order, Refusal::new(code::TOO_MANY, why))
+                }
+                TrySendError::Disconnected(order) => (order, Refusal::new(code::ENDING, ENDING)),
+            })
         })
     }
 }

@@ -66,7 +66,7 @@ impl Ride {
         if command.needs_the_past() {
             self.chronicle.obey(&mut self.simulation, &command)?;
         } else {
-            obey(&mut self.simulation, &mut self.bench, &command).unwrap();
+            obey(&mut self.simulation, &self.bench, &command).unwrap();
             self.chronicle.obeyed(at, command, &self.simulation);
         }
         if place(&self.simulation).0 != at.0 {
