@@ -97,9 +97,12 @@ impl TickLoop {
 
     /// Runs until told to stop: drain, advance, hand over, sleep to the next deadline.
     pub fn run(mut self) {
-        let handover = self.handover.clone();
-        // Also when a tick panics: the publisher must not wait for ever.
-        let _end = OnDrop(|| handover.end());
+        let (handover, inbox) = (self.handover.clone(), self.inbox.clone());
+        // Also when a tick panics: neither the publisher nor the workshop may wait for ever.
+        let _end = OnDrop(|| {
+            inbox.close();
+            handover.end();
+        });
         self.hand_over();
         self.due = Instant::now();
         while !self.stop.load(Ordering::Relaxed) {
