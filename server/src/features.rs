@@ -70,10 +70,7 @@ pub fn features() -> Features {
             "clients",
             of(&[("max_readers", MAX_READERS as f64), ("max_report_bytes", MAX_REPORT_BYTES as f64)]),
         ),
-        (
-            "arenas",
-            of(&[long, ("max_arenas", MAX_ARENAS as f64), ("max_recordings", MAX_RECORDINGS as f64)]),
-        ),
+        ("arenas", of(&[long, ("max_arenas", MAX_ARENAS as f64), ("max_recordings", MAX_RECORDINGS as f64)])),
     ];
     let is_there = |word: &str| {
         commands.iter().any(|(name, _)| *name == word) || questions.iter().any(|(name, _)| *name == word)
