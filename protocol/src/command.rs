@@ -417,6 +417,18 @@ pub enum Direction {
     Vector([f64; 2]),
 }
 
+impl From<DirectionName> for Direction {
+    fn from(name: DirectionName) -> Self {
+        Self::Named(name)
+    }
+}
+
+impl From<[f64; 2]> for Direction {
+    fn from(vector: [f64; 2]) -> Self {
+        Self::Vector(vector)
+    }
+}
+
 impl Direction {
     /// As a vector; `Stop` is none.
     pub const fn vector(self) -> Option<[f64; 2]> {

@@ -21,16 +21,17 @@ use protocol::scene::MAX_TAGS;
 use protocol::timeline::{MAX_REWIND_S, MAX_SLOTS, MAX_WORDS_BYTES};
 
 /// Features of ROS `simulation_interfaces`: name, number, and the command or question by which a bridge offers it.
-const ROS: [(&str, u8, &str); 18] = [
+const ROS: [(&str, u8, &str); 19] = [
     ("SPAWNING", 0, "spawn"),
     ("DELETING", 1, "delete"),
+    ("ENTITY_TAGS", 4, "spawn"),
     ("ENTITY_BOUNDS", 5, "balls"),
     ("ENTITY_STATE_GETTING", 10, "balls"),
     ("ENTITY_STATE_SETTING", 11, "set_balls"),
     ("SIMULATION_RESET", 20, "reset"),
     ("SIMULATION_RESET_TIME", 21, "reset"),
     ("SIMULATION_RESET_STATE", 22, "reset"),
-    ("SIMULATION_RESET_SPAWNED", 23, "spawn"),
+    ("SIMULATION_RESET_SPAWNED", 23, "reset"),
     ("SIMULATION_STATE_GETTING", 24, "state"),
     ("SIMULATION_STATE_SETTING", 25, "set_state"),
     ("SIMULATION_STATE_PAUSE", 26, "set_state"),

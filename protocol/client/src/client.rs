@@ -17,7 +17,7 @@ use protocol::scene::Scene;
 use protocol::snapshot::{Snapshot, World};
 use protocol::state::State;
 use protocol::stats::Stats;
-use protocol::timeline::{Rewind, SavedState, Timeline};
+use protocol::timeline::{SavedState, Timeline};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
@@ -213,26 +213,6 @@ impl Client {
     /// Who drives which ball.
     pub fn players(&self) -> Result<Players, ClientError> {
         Ok(codec::decode_json(&self.ask(&self.keys.srv_players())?)?)
-    }
-
-    /// Back along what happened, into a new epoch whose tick is the one that was gone back to.
-    pub fn rewind(&self, rewind: Rewind) -> Result<Reply, ClientError> {
-        self.command(&Command::Rewind(rewind))
-    }
-
-    /// Keeps the present state under a name.
-    pub fn save_state(&self, slot: &Name) -> Result<Reply, ClientError> {
-        self.command(&Command::SaveState { slot: slot.as_str().to_owned() })
-    }
-
-    /// Goes on from a state that was kept under a name.
-    pub fn load_state(&self, slot: &Name) -> Result<Reply, ClientError> {
-        self.command(&Command::LoadState { slot: Some(slot.as_str().to_owned()), state: None })
-    }
-
-    /// Goes on from a state of the present scene.
-    pub fn load_saved_state(&self, state: SavedState) -> Result<Reply, ClientError> {
-        self.command(&Command::LoadState { slot: None, state: Some(Box::new(state)) })
     }
 
     /// What can be gone back to: how far the history reaches, and the slots.

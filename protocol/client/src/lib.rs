@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `options` | where the server is, how long to wait for it, when to stop waiting |
 //! | `client` | commands, questions, presses |
+//! | `verbs` | each command as a method |
 //! | `feed` | what the server publishes, newest first, never blocking the session |
 //! | `meter` | how the states come, told to the server once a second |
 //! | `follow` | the world and then its states, through late joins, resets and restarts of the server |
@@ -20,6 +21,7 @@ mod follow;
 mod meter;
 mod options;
 mod renewal;
+mod verbs;
 mod window;
 
 pub use client::{Client, ClientError};
