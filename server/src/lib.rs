@@ -56,5 +56,5 @@ pub mod world;
 
 pub use arena::{Arena, ArenaError, ArenaHandle, ArenaOptions, NetworkOptions};
 pub use arenas::Arenas;
-pub use network::NetworkError;
+pub use network::{NetworkError, begin_with_enough_threads};
 pub use scene_file::{LoadedScene, SceneError, SceneText};

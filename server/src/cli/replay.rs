@@ -8,7 +8,7 @@ use protocol::command::SpeedFactor;
 use protocol::keys::Name;
 use server::recording::{Ending, Reader, ReplayError, Verdict, replay};
 use server::screening::{Screening, ScreeningError};
-use server::{ArenaOptions, NetworkOptions};
+use server::{ArenaOptions, NetworkOptions, begin_with_enough_threads};
 use std::io::{Write, stdout};
 use std::path::PathBuf;
 
@@ -81,6 +81,9 @@ impl Show {
 
 impl Replay {
     pub fn run(self) -> anyhow::Result<()> {
+        if self.serve {
+            begin_with_enough_threads();
+        }
         let name = || self.file.display().to_string();
         let abort = abort_on_signal()?;
         let mut reader = Reader::open(&self.file).with_context(name)?;

@@ -10,7 +10,7 @@ use protocol::keys::Name;
 use server::arenas::recording_beside;
 use server::history::DEFAULT_HISTORY_BYTES;
 use server::recording::{MAX_HASH_EVERY_TICKS, RecordOptions};
-use server::{ArenaOptions, Arenas, NetworkOptions, SceneText};
+use server::{ArenaOptions, Arenas, NetworkOptions, SceneText, begin_with_enough_threads};
 use std::io::Write;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -130,6 +130,7 @@ impl Serve {
     }
 
     pub fn run(self) -> anyhow::Result<()> {
+        begin_with_enough_threads();
         let abort = abort_on_signal()?;
         let resumed = self.resume.as_deref().map(|file| Resumed::from_file(file, || abort.is_aborted()));
         let (found, first, rate) = match resumed.transpose()? {

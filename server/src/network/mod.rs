@@ -3,6 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `session` | one session that is its own router |
+//! | `threads` | as many as a server needs, whoever stops reading |
 //! | `link` | that session, shared by the arenas of a process |
 //! | `doors` | what the process is asked: its arenas |
 //! | `services` | commands and questions coming in |
@@ -23,6 +24,10 @@ mod publisher;
 mod readers;
 mod services;
 mod session;
+mod threads;
+
+pub use session::MAX_SESSIONS;
+pub use threads::begin_with_enough_threads;
 
 use crate::arena::ArenaOptions;
 use crate::handover::Handover;

@@ -10,8 +10,11 @@ const FIRST_PORT: u16 = 7447;
 /// How many ports after it are tried.
 const MORE_PORTS: u16 = 20;
 
+/// Most clients at once.
+pub const MAX_SESSIONS: usize = 128;
+
 /// Settings of a server without a configuration file, each with its reason.
-const SETTINGS: [(&str, &str); 12] = [
+const SETTINGS: [(&str, &str); 11] = [
     // Clients need no other process.
     ("mode", "\"router\""),
     // Nobody is found by shouting: endpoints are named.
@@ -28,7 +31,6 @@ const SETTINGS: [(&str, &str); 12] = [
     ("transport/link/tx/queue/congestion_control/drop/wait_before_drop", "10000"),
     // Nothing a client has to say to a server is longer.
     ("transport/link/rx/max_message_size", "1048576"),
-    ("transport/unicast/max_sessions", "128"),
     ("timestamping/enabled", "false"),
 ];
 
@@ -43,6 +45,7 @@ pub fn open(options: &NetworkOptions) -> Result<(Session, Vec<String>), NetworkE
         for (key, value) in SETTINGS {
             set(&mut config, key, value)?;
         }
+        set(&mut config, "transport/unicast/max_sessions", &MAX_SESSIONS.to_string())?;
     }
     if !options.connect.is_empty() {
         set(&mut config, "connect/endpoints", &list(&options.connect))?;

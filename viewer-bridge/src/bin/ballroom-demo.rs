@@ -78,6 +78,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     process::log_to(LogLines::default);
+    server::begin_with_enough_threads();
     let result = run(&arguments);
     screen::restore();
     match result {
