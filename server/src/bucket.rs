@@ -29,4 +29,12 @@ impl Bucket {
         (self.tokens, self.filled) = (if allowed { level - 1.0 } else { level }, now);
         allowed
     }
+
+    /// Takes so many, if there are any; what is missing has to come in before there are any again.
+    pub fn draw(&mut self, amount: f64, now: Instant) -> bool {
+        let level = self.level(now);
+        let allowed = level > 0.0;
+        (self.tokens, self.filled) = (if allowed { level - amount } else { level }, now);
+        allowed
+    }
 }

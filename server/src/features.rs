@@ -5,6 +5,7 @@ use crate::arenas::MAX_RECORDINGS;
 use crate::checker::MAX_CHECKS;
 use crate::history::{MAX_POINTS, MAX_SLOT_BYTES};
 use crate::inbox::INBOX_CAPACITY;
+use crate::network::MAX_SESSIONS;
 use crate::players::{DRIVES_PER_S, MESSAGES_PER_S};
 use crate::scene_file::{SceneText, built_in_names};
 use crate::workshop::MAX_JOBS;
@@ -106,7 +107,15 @@ pub fn features() -> Features {
             "clients",
             of(&[("max_readers", MAX_READERS as f64), ("max_report_bytes", MAX_REPORT_BYTES as f64)]),
         ),
-        ("arenas", of(&[long, ("max_arenas", MAX_ARENAS as f64), ("max_recordings", MAX_RECORDINGS as f64)])),
+        (
+            "arenas",
+            of(&[
+                long,
+                ("max_clients", MAX_SESSIONS as f64),
+                ("max_arenas", MAX_ARENAS as f64),
+                ("max_recordings", MAX_RECORDINGS as f64),
+            ]),
+        ),
     ];
     let is_there = |word: &str| {
         commands.iter().any(|(name, _)| *name == word) || questions.iter().any(|(name, _)| *name == word)

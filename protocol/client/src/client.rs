@@ -27,6 +27,8 @@ use zenoh::liveliness::LivelinessToken;
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::query::Querier;
 
+/// Pause before a server that has too much to do is asked again.
+const WHEN_BUSY: Duration = Duration::from_millis(10);
 /// First pause between two attempts to reach a server, and the longest.
 const RETRY: [Duration; 2] = [Duration::from_millis(100), Duration::from_millis(500)];
 /// Pause between two looks at whether anybody takes commands.
@@ -162,10 +164,21 @@ impl Client {
         &self.session
     }
 
-    /// Sends a command and waits for the answer: done at which tick, or why not. It is sent once: a second one would
-    /// be obeyed a second time.
+    /// Sends a command and waits for the answer: done at which tick, or why not. It is sent once, as a second one would
+    /// be obeyed a second time; again only when the server had too much to do to take it.
     pub fn command(&self, command: &Command) -> Result<Reply, ClientError> {
         command.check()?;
+        let began = Instant::now();
+        loop {
+            let reply = self.command_once(command)?;
+            if reply.code != code::TOO_MANY || began.elapsed() > self.options.timeout {
+                return Ok(reply);
+            }
+            self.wait_for_server(WHEN_BUSY)?;
+        }
+    }
+
+    fn command_once(&self, command: &Command) -> Result<Reply, ClientError> {
         while !self.commands.matching_status().wait()?.matching() {
             self.wait_for_server(LOOK_AGAIN)?;
         }
@@ -347,9 +360,21 @@ impl Client {
 
     /// Asks until somebody answers, as long as the client's patience lasts.
     pub(crate) fn ask_with(&self, key: &str, payload: Option<&[u8]>) -> Result<Vec<u8>, ClientError> {
+        let began = Instant::now();
         loop {
-            if let Some(answer) = self.ask_once_with(key, payload, self.options.timeout)? {
-                return Ok(answer);
+            match self.ask_once_with(key, payload, self.options.timeout) {
+                // Others ask too; whoever goes on asking has its turn.
+                Err(ClientError::Refused { code: code::TOO_MANY, .. })
+                    if began.elapsed() < self.options.timeout =>
+                {
+                    self.wait_for_server(WHEN_BUSY)?;
+                    continue;
+                }
+                answer => {
+                    if let Some(answer) = answer? {
+                        return Ok(answer);
+                    }
+                }
             }
             // Nobody served it; just after the session opened the server's declarations may not have arrived yet.
             self.wait_for_server(RETRY[0])?;

@@ -21,8 +21,6 @@ const MAX_WAITING: usize = 256;
 
 /// What to answer.
 pub enum Answer {
-    /// What came of a command.
-    Reply(Reply),
     /// What came of asking for a ball.
     Claimed(Claimed),
     /// Who drives which ball when the answer is made.
@@ -94,13 +92,13 @@ impl<A: Send + 'static> Answers<A> {
 /// Answers a question to an arena.
 pub fn send(latest: &Latest, archive: &Archive, players: &Players, query: &Query, answer: Answer) {
     let (bytes, encoding) = match answer {
-        Answer::Reply(reply) => json(&reply),
         Answer::Claimed(claimed) => json(&claimed),
         Answer::Players => json(&players.listing()),
-        Answer::World { as_json: true } => json(&latest.world()),
-        Answer::World { as_json: false } => {
-            (codec::encode_world(&latest.world()), Encoding::APPLICATION_CBOR)
-        }
+        Answer::World { as_json } => match latest.allows(if as_json { 500.0 } else { 160.0 }) {
+            Err(refusal) => return refuse(query, refusal),
+            Ok(()) if as_json => json(&latest.world()),
+            Ok(()) => (codec::encode_world(&latest.world()), Encoding::APPLICATION_CBOR),
+        },
         Answer::Balls(selection) => json(&selection.of(&latest.world())),
         Answer::Features => json(&crate::features::features()),
         Answer::Scenes => json(&crate::features::scenes()),

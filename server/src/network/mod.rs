@@ -30,6 +30,7 @@ pub use session::MAX_SESSIONS;
 pub use threads::begin_with_enough_threads;
 
 use crate::arena::ArenaOptions;
+use crate::bucket::Bucket;
 use crate::handover::Handover;
 use crate::history::Archive;
 use crate::inbox::Inbox;
@@ -39,6 +40,7 @@ use crate::workshop::{Bench, Workshop};
 pub(crate) use doors::{Doors, Job as DoorJob};
 pub(crate) use link::Link;
 use protocol::arenas::ArenaRow;
+use protocol::command::{Refusal, Reply, code};
 use protocol::info::Info;
 use protocol::keys::{Keys, Name, Role};
 use protocol::parameter::Parameters;
@@ -47,7 +49,7 @@ use protocol::state::State;
 use protocol::stats::Stats;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use zenoh::Wait;
 
 /// Longest wait for an orderly end.
@@ -82,6 +84,9 @@ pub enum NetworkError {
     Zenoh(#[from] zenoh::Error),
 }
 
+/// Bytes a second of answers that grow with the balls, for all who ask together: 20 worlds of 10 000 balls.
+pub const WHOLE_BYTES_PER_S: f64 = (32 << 20) as f64;
+
 /// What questions are answered from. The tick thread never touches it.
 pub(crate) struct Latest {
     info: Info,
@@ -90,9 +95,24 @@ pub(crate) struct Latest {
     handover: Arc<Handover>,
     recorded: bool,
     readers: readers::Readers,
+    /// Bytes of answers that grow with the balls.
+    whole: Mutex<Bucket>,
 }
 
 impl Latest {
+    /// Whether an answer that takes so many bytes a ball may be given now. Refusing is cheap, such an answer is not.
+    fn allows(&self, bytes_a_ball: f64) -> Result<(), Refusal> {
+        let bytes = bytes_a_ball * self.present().state.center_m.len() as f64;
+        let mut whole = self.whole.lock().unwrap_or_else(PoisonError::into_inner);
+        if whole.draw(bytes, Instant::now()) {
+            return Ok(());
+        }
+        let why = format!(
+            "whole worlds are asked for too often: all together may take {WHOLE_BYTES_PER_S} bytes a second"
+        );
+        Err(Refusal::new(code::TOO_MANY, why))
+    }
+
     fn world(&self) -> World {
         let present = self.present();
         let (stage, snapshot) = (present.stage.clone(), present.state.clone());
@@ -174,7 +194,7 @@ pub(crate) struct Network {
     publisher: publisher::Publisher,
     services: services::Services,
     driving: driving::Driving,
-    answered: Receiver<()>,
+    answered: [Receiver<()>; 2],
     alive: zenoh::liveliness::LivelinessToken,
 }
 
@@ -199,6 +219,7 @@ impl Network {
             handover: handover.clone(),
             recorded: options.record.is_some(),
             readers: readers::Readers::default(),
+            whole: Mutex::new(Bucket::full(WHOLE_BYTES_PER_S, Instant::now())),
         });
         let keys = Keys::new(&options.arena);
         let session = link.session();
@@ -208,15 +229,17 @@ impl Network {
         let (answers, answered) = answers::Answers::start(move |query, answer| {
             answers::send(&known, &archive, &drivers, query, answer);
         })?;
-        let gate = services::Gate::new(inbox, &answers, workshop, &players, &latest);
-        drop(answers);
+        // Replies to commands do not wait behind answers to questions.
+        let (replies, replied) =
+            answers::Answers::start(|query, reply: Reply| answers::send_json(query, &reply))?;
+        let gate = services::Gate::new(inbox, answers, replies, workshop, &players, &latest);
         let services = services::Services::declare(link, &keys, &gate, &latest)?;
         let driving = driving::Driving::declare(session, &keys, &gate)?;
         let publisher = publisher::Publisher::declare(session, &keys, latest.clone(), handover, players)?;
         // Last: who sees the token finds everything else in place. The epoch is a number, so this is a name.
         let id: Name = simulation.epoch().to_string().parse().expect("digits are a name");
         let alive = session.liveliness().declare_token(keys.alive(Role::Server, &id)).wait()?;
-        Ok(Self { latest, publisher, services, driving, answered, alive })
+        Ok(Self { latest, publisher, services, driving, answered: [answered, replied], alive })
     }
 
     /// What questions are answered from.
@@ -229,8 +252,10 @@ impl Network {
         self.publisher.run();
         drop((self.alive, self.services, self.driving, self.publisher));
         // What is still to be answered goes out first; a client that does not read has to do without.
-        if self.answered.recv_timeout(CLOSE_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
-            tracing::debug!("not everything was answered");
+        for answered in self.answered {
+            if answered.recv_timeout(CLOSE_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
+                tracing::debug!("not everything was answered");
+            }
         }
     }
 }

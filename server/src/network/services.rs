@@ -82,8 +82,7 @@ fn commands(session: &Session, key: &str, gate: Arc<Gate>) -> Result<Queryable<(
     let callback = move |query: Query| {
         let text = query.payload().map(|payload| payload.to_bytes().into_owned()).unwrap_or_default();
         let way_back = gate.clone();
-        let answer: crate::inbox::Answer =
-            Box::new(move |reply| way_back.answers.give(query, Answer::Reply(reply.clone())));
+        let answer: crate::inbox::Answer = Box::new(move |reply| way_back.replies.give(query, reply.clone()));
         if let Err((Some(answer), why)) = gate.pass(text, &Source::Commands, MAX_REQUEST_BYTES, Some(answer))
         {
             answer(&why.into());
@@ -92,10 +91,14 @@ fn commands(session: &Session, key: &str, gate: Arc<Gate>) -> Result<Queryable<(
     Ok(session.declare_queryable(key.to_owned()).callback(callback).wait()?)
 }
 
+/// About what a ball takes in a saved state.
+const BYTES_A_SAVED_BALL: f64 = 400.0;
+
 /// States as files: what a slot holds, or the present one, which the tick thread has to write.
 fn checkpoints(session: &Session, key: String, gate: Arc<Gate>) -> Result<Queryable<()>, NetworkError> {
     let callback = move |query: Query| {
-        if let Err(refusal) = gate.spend(&Source::Questions) {
+        let allowed = gate.spend(&Source::Questions).and_then(|()| gate.latest.allows(BYTES_A_SAVED_BALL));
+        if let Err(refusal) = allowed {
             return gate.give(query, Answer::Fault(refusal));
         }
         let slot = match slot_of(&query) {
@@ -199,6 +202,7 @@ pub struct Gate {
     inbox: Arc<Inbox>,
     budget: Mutex<Budget>,
     answers: Answers<Answer>,
+    replies: Answers<Reply>,
     workshop: Workshop,
     pub(super) players: Arc<Players>,
     pub(super) latest: Arc<Latest>,
@@ -208,7 +212,8 @@ impl Gate {
     /// In front of an arena.
     pub fn new(
         inbox: &Arc<Inbox>,
-        answers: &Answers<Answer>,
+        answers: Answers<Answer>,
+        replies: Answers<Reply>,
         workshop: Workshop,
         players: &Arc<Players>,
         latest: &Arc<Latest>,
@@ -216,7 +221,8 @@ impl Gate {
         Arc::new(Self {
             inbox: inbox.clone(),
             budget: Mutex::default(),
-            answers: answers.clone(),
+            answers,
+            replies,
             workshop,
             players: players.clone(),
             latest: latest.clone(),
