@@ -57,14 +57,14 @@ fn question(gate: &Arc<Gate>, ask: fn(&Arc<Gate>, Query, &[u8])) -> impl Fn(Quer
         let bytes = query.payload().map(|payload| payload.to_bytes().into_owned()).unwrap_or_default();
         match gate.spend(&Source::Commands) {
             Ok(()) => ask(&gate, query, &bytes),
-            Err(why) => gate.give(query, Answer::Reply(why.into())),
+            Err(why) => gate.reply(query, why.into()),
         }
     }
 }
 
 fn malformed(gate: &Gate, query: Query, why: &CommandFault) {
     let why = gate.refuse(code::MALFORMED, why.to_string());
-    gate.give(query, Answer::Reply(why.into()));
+    gate.reply(query, why.into());
 }
 
 fn claim(gate: &Arc<Gate>, query: Query, bytes: &[u8]) {
@@ -82,7 +82,7 @@ fn release(gate: &Arc<Gate>, query: Query, bytes: &[u8]) {
     match Release::from_json(bytes) {
         Ok(release) => {
             let way_back = gate.clone();
-            let answer = move |reply: &Reply| way_back.give(query, Answer::Reply(reply.clone()));
+            let answer = move |reply: &Reply| way_back.reply(query, reply.clone());
             gate.players.release(&release, Box::new(answer));
         }
         Err(why) => malformed(gate, query, &why),
