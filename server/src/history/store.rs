@@ -104,7 +104,7 @@ impl Store {
         let kept = self.slots.iter().filter(|(name, _)| *name != slot);
         if kept.clone().count() >= MAX_SLOTS {
             let why = format!("{MAX_SLOTS} slots are taken: save into one of them");
-            return Err(Refusal::new(code::TOO_MANY, why));
+            return Err(Refusal::new(code::OPERATION_FAILED, why));
         }
         let one = size_of::<u64>() * self.ground.stand().run_words();
         let bytes = bytes_of_all(kept.map(|(_, past)| past)) + one as u64;
@@ -112,7 +112,7 @@ impl Store {
             let why = format!(
                 "slots would take {bytes} bytes, and may {MAX_SLOT_BYTES}: save into one that is taken"
             );
-            return Err(Refusal::new(code::TOO_MANY, why));
+            return Err(Refusal::new(code::OPERATION_FAILED, why));
         }
         Ok(())
     }

@@ -218,7 +218,7 @@ fn slots_are_bounded_and_a_stranger_is_named() {
     }
     let store = ride.chronicle.store();
     assert!(store.has_room_for("s1").is_ok());
-    assert_eq!(store.has_room_for("another").unwrap_err().code, code::TOO_MANY);
+    assert_eq!(store.has_room_for("another").unwrap_err().code, code::OPERATION_FAILED);
 }
 
 #[test]

@@ -10,7 +10,7 @@ use crate::inbox::{Inbox, Refused, Request};
 use crate::players::Players;
 use crate::workshop::{self, Job, Ready, Workshop};
 use protocol::codec::{MAX_COMMAND_BYTES, MAX_REQUEST_BYTES};
-use protocol::command::{Command, Refusal, code};
+use protocol::command::{Command, Refusal, Reply, code};
 use protocol::keys::{Keys, Name};
 use protocol::listing::Selection;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -82,7 +82,7 @@ fn commands(session: &Session, key: &str, gate: Arc<Gate>) -> Result<Queryable<(
     let callback = move |query: Query| {
         let text = query.payload().map(|payload| payload.to_bytes().into_owned()).unwrap_or_default();
         let way_back = gate.clone();
-        let answer: crate::inbox::Answer = Box::new(move |reply| way_back.replies.give(query, reply.clone()));
+        let answer: crate::inbox::Answer = Box::new(move |reply| way_back.reply(query, reply.clone()));
         if let Err((Some(answer), why)) = gate.pass(text, &Source::Commands, MAX_REQUEST_BYTES, Some(answer))
         {
             answer(&why.into());
@@ -290,6 +290,10 @@ impl Gate {
             self.inbox.count_refused();
             (answer, why)
         })
+    }
+
+    pub(super) fn reply(&self, query: Query, reply: Reply) {
+        self.replies.give(query, reply);
     }
 
     pub(super) fn give(&self, query: Query, answer: Answer) {
