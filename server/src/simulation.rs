@@ -227,7 +227,10 @@ impl Simulation {
         let players = || self.roster().names.iter().zip(&self.roster().player).filter(|(_, player)| **player);
         match self.roster().names.binary_search_by(|known| known.as_str().cmp(name)) {
             Ok(ball) if self.roster().player[ball] => Ok(ball),
-            Ok(_) => Err(format!("{name:?} is no player's ball")),
+            Ok(_) => {
+                let known: Vec<&str> = players().map(|(name, _)| name.as_str()).take(8).collect();
+                Err(format!("{name:?} is no player's ball; those are {}", known.join(", ")))
+            }
             Err(_) => {
                 let known: Vec<&str> = players().map(|(name, _)| name.as_str()).take(8).collect();
                 Err(format!("no ball is named {name:?}; players' balls are {}", known.join(", ")))

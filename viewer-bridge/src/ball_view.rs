@@ -30,6 +30,8 @@ pub const FOLLOWED: &str = "world/followed";
 const RING_POINTS: usize = 48;
 /// Height of the ring over the floor, in parts of its radius: a flat ring cuts into a floor that is hollow there.
 const RING_LIFT: f32 = 0.1;
+/// How much of what is round a followed ball is shown, in radii to each side.
+const FOLLOWED_RADII: f32 = 4.0;
 
 /// Balls of one roster, sorted into what is logged together.
 pub struct BallView {
@@ -109,12 +111,18 @@ impl BallView {
         self.log_players(rec, state, ring)
     }
 
-    /// A thin level ring: an eye that follows an entity looks at the middle of the box round it.
+    /// A thin level ring, and two corners that cannot be seen: an eye that follows an entity looks at the middle of the box
+    /// round it, from as far as shows all of it.
     fn log_followed(&self, rec: &Recording, state: &Snapshot) -> RecordingStreamResult<()> {
         let Some(ball) = self.followed else { return Ok(()) };
         let ring = Ring { center: state.center_m[ball].into(), normal: Vector3::z() };
-        let mark = LineStrips3D::new([ring.points(1.02 * self.radii[ball], 0.0)])
-            .with_radii([Radius::new_ui_points(1.0)])
+        let radius = self.radii[ball];
+        let corner = |side: f32| {
+            let corner = ring.center + Vector3::repeat(f64::from(side * FOLLOWED_RADII * radius));
+            vec![crate::single(corner); 2]
+        };
+        let mark = LineStrips3D::new([ring.points(1.02 * radius, 0.0), corner(-1.0), corner(1.0)])
+            .with_radii([1.0, 0.0, 0.0].map(Radius::new_ui_points))
             .with_colors([palette::color(palette::NAME)]);
         rec.log(FOLLOWED, &mark)
     }

@@ -41,7 +41,7 @@ const MAX_ANSWERS: usize = 16;
 pub enum ClientError {
     /// Nobody there.
     #[error(
-        "no server of arena {arena} at {whereabouts} within {} s: start `ballroom serve`, or name its endpoint with -e",
+        "no server of arena {arena} at {whereabouts} within {} s: start `ballroom serve`, name its endpoint with -e, or its arena with --arena (`ballroom arenas` lists them)",
         .waited.as_secs_f64()
     )]
     NoServer {

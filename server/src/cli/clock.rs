@@ -40,7 +40,7 @@ pub struct State {
 #[command(after_help = "Examples:\n  ballroom pause && ballroom step\n  ballroom step 60")]
 pub struct Step {
     /// How many ticks, 1 to 1000000
-    #[arg(default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=protocol::command::MAX_STEP_TICKS))]
+    #[arg(default_value_t = 1, allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=protocol::command::MAX_STEP_TICKS))]
     ticks: u64,
     #[command(flatten)]
     asked: Asked,
@@ -91,7 +91,7 @@ pub struct Reset {
 )]
 pub struct Speed {
     /// 0.01 to 100, or max
-    #[arg(value_parser = factor)]
+    #[arg(allow_negative_numbers = true, value_parser = factor)]
     factor: SpeedFactor,
     #[command(flatten)]
     asked: Asked,

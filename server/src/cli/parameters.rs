@@ -58,12 +58,14 @@ impl Parameters {
         }
         for parameter in parameters.parameters {
             let value = match &parameter.value {
-                Value::Number(x) => x.to_string(),
+                Value::Number(x) => short(*x),
                 Value::Vector([x, y, z]) => format!("{x},{y},{z}"),
                 Value::Word(word) => word.clone(),
             };
             let settable = match parameter.range {
-                Some([low, high]) if parameter.settable => format!("; may be set, {low} to {high}"),
+                Some([low, high]) if parameter.settable => {
+                    format!("; may be set, {} to {}", short(low), short(high))
+                }
                 _ => String::new(),
             };
             writeln!(
@@ -74,6 +76,11 @@ impl Parameters {
         }
         Ok(())
     }
+}
+
+/// Small and large numbers with an exponent.
+fn short(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
 }
 
 fn assignment(text: &str) -> Result<(String, Value), String> {

@@ -37,11 +37,19 @@ Examples:
 pub struct Play {
     /// Which ball; the first free one of the players' balls when not given
     ball: Option<String>,
-    /// Name of the player, 1 to 32 of a-z, 0-9, _ and -
-    #[arg(long, value_name = "NAME", default_value = "player")]
-    player: Name,
+    /// Name of the player, 1 to 32 of a-z, 0-9, _ and - [default: yours with a number]
+    #[arg(long, value_name = "NAME")]
+    player: Option<Name>,
     #[command(flatten)]
     connection: Connection,
+}
+
+/// Whose terminal it is, with a number that no other pad on this machine has.
+fn own_name() -> Name {
+    let number = std::process::id();
+    let user = std::env::var("USER").unwrap_or_default();
+    let named = format!("{user}-{number}").parse();
+    named.or_else(|_| format!("player-{number}").parse()).expect("a name and a number")
 }
 
 impl Play {
@@ -55,13 +63,14 @@ impl Play {
                 "play needs a terminal: scripts steer with `ballroom steer`, or claim a ball from a program"
             );
         };
-        let driver = client.claim(&self.player, self.ball.as_deref()).map_err(|error| match error {
+        let player = self.player.unwrap_or_else(own_name);
+        let driver = client.claim(&player, self.ball.as_deref()).map_err(|error| match error {
             ClientError::Refused { why, .. } => Refused(why).into(),
             other => anyhow::Error::from(other),
         })?;
         let news = listen(client.clone(), follower, abort.clone())?;
         let pad = Pad {
-            player: self.player.to_string(),
+            player: player.to_string(),
             ball: driver.ball().to_owned(),
             arena: client.options().arena.to_string(),
             ..Pad::default()

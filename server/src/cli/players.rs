@@ -30,6 +30,9 @@ impl Players {
             writeln!(out, "{}", serde_json::to_string(&listing)?)?;
             return Ok(());
         }
+        if listing.players.is_empty() {
+            writeln!(out, "nobody drives a ball")?;
+        }
         for PlayerRow { player, ball, hits, rank, commands, messages, lost, latency_ms, silent_s, .. } in
             &listing.players
         {

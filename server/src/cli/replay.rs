@@ -117,6 +117,9 @@ impl Replay {
                 first.replayed
             );
         }
+        if hashes == 0 && states == 0 {
+            bail!("{}: nothing could be compared: it ends before its first hash", self.file.display());
+        }
         if !self.json {
             writeln!(
                 stdout(),

@@ -137,6 +137,10 @@ impl Serve {
             Some(Resumed { scene, first, tick_rate_hz }) => (scene, first, Some(tick_rate_hz)),
             None => (None, Vec::new(), None),
         };
+        if let Some(file) = &self.resume {
+            let recorded = if self.recording.record.is_some() { "" } else { "; --record keeps what follows" };
+            tracing::info!("goes on where {} ends{recorded}", file.display());
+        }
         let rate_hz = self.rate.or(rate).unwrap_or(60);
         let scenes = self.scenes(found)?;
         let network = NetworkOptions {

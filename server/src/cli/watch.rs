@@ -40,6 +40,9 @@ impl Watch {
             }
             match update {
                 Update::World(world) => {
+                    if world.snapshot.paused {
+                        tracing::info!("the clock stands: `ballroom resume` lets it run");
+                    }
                     roster = world.roster;
                     lines.write(&roster, &world.snapshot)?;
                 }

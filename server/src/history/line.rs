@@ -168,7 +168,7 @@ impl Line {
             let (epoch, tick) = oldest.past.place();
             let reach = self.seconds(present.saturating_sub(oldest.line));
             let why = format!(
-                "the history begins {reach} s ago, at tick {tick} of epoch {epoch}: go back less far"
+                "the history begins {reach:.3} s ago, at tick {tick} of epoch {epoch}: go back less far, or to that tick"
             );
             Refusal::new(code::OPERATION_FAILED, why)
         })

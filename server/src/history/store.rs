@@ -121,8 +121,12 @@ impl Store {
     pub fn slot(&self, slot: &str) -> Result<&Arc<Past>, Refusal> {
         self.slots.get(slot).ok_or_else(|| {
             let names: Vec<&str> = self.slots.keys().map(String::as_str).take(8).collect();
-            let there = if names.is_empty() { "there is none".into() } else { names.join(", ") };
-            Refusal::new(code::NOT_FOUND, format!("no slot is named {slot:?}; of those that are: {there}"))
+            let there = if names.is_empty() {
+                format!("none was saved yet: `ballroom save {slot}`")
+            } else {
+                format!("there are {}", names.join(", "))
+            };
+            Refusal::new(code::NOT_FOUND, format!("no slot is named {slot:?}; {there}"))
         })
     }
 

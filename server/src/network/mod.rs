@@ -76,6 +76,9 @@ pub enum NetworkError {
         /// Last tried.
         last: u16,
     },
+    /// Somebody listens there already.
+    #[error("{0} is taken: name another endpoint, or none with -l for the next free port")]
+    Taken(String),
     /// No thread could be started.
     #[error("no thread could be started: {0}")]
     Thread(#[from] std::io::Error),

@@ -56,7 +56,10 @@ pub fn open(options: &NetworkOptions) -> Result<(Session, Vec<String>), NetworkE
     let session = match (&options.listen, &options.config) {
         (listen, _) if !listen.is_empty() => {
             set(&mut config, "listen/endpoints", &list(listen))?;
-            zenoh::open(config).wait()?
+            zenoh::open(config).wait().map_err(|error| {
+                let is_taken = error.to_string().contains("Address already in use");
+                if is_taken { NetworkError::Taken(listen.join(", ")) } else { error.into() }
+            })?
         }
         (_, Some(_)) => zenoh::open(config).wait()?,
         (_, None) => open_at_free_port(config)?,

@@ -107,7 +107,8 @@ impl Players {
             .map_err(|e| Refusal::new(code::OPERATION_FAILED, format!("no token can be drawn: {e}")))?;
         let mut claims = self.lock();
         if let Some(held) = claims.held.get(&player) {
-            let why = format!("{player} drives {:?} already: release it first", held.ball);
+            let why =
+                format!("{player} drives {:?} already: take another name, or release it first", held.ball);
             return Err(Refusal::new(code::INCORRECT_STATE, why));
         }
         if claims.held.len() >= MAX_PLAYERS {

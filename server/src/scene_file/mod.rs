@@ -21,10 +21,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// The scenes that come with the program: name and text.
-const BUILT_IN: [(&str, &str); 15] = [
+const BUILT_IN: [(&str, &str); 16] = [
     ("original", include_str!("../../scenes/original.toml")),
     ("original_frictionless", include_str!("../../scenes/original_frictionless.toml")),
     ("bowl", include_str!("../../scenes/bowl.toml")),
+    ("derby", include_str!("../../scenes/derby.toml")),
     ("plane", include_str!("../../scenes/plane.toml")),
     ("cradle", include_str!("../../scenes/cradle.toml")),
     ("galperin", include_str!("../../scenes/galperin.toml")),

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 MAX_UNACKNOWLEDGED = 64
 """Commands that may wait for their acknowledgement."""
 
+_DIRECTIONS = ("up", "down", "left", "right", "stop")
 _SEND_AGAIN_S = 0.05
 _HEARTBEAT_S = 0.2
 _SPACING_S = 0.005
@@ -97,6 +98,8 @@ class Driver:
         It acts at the wanted tick of the wanted epoch (the present one without), or at the next tick boundary.
         """
         where = direction if isinstance(direction, str) else [float(x) for x in direction]
+        if isinstance(where, str) and where not in _DIRECTIONS:
+            raise ValueError(f"direction {where!r}: use one of {', '.join(_DIRECTIONS)}, or x and y")
         command = {"direction": where, "mode": mode, "tick": tick, "epoch": epoch}
         with self._changed:
             if self._lost is not None:

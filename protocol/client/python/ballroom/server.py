@@ -27,7 +27,8 @@ from ballroom.frames import Ball, Parameter, Player, Reply, State, World
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 """Where `ballroom serve` listens first."""
 
-Direction: TypeAlias = Literal["up", "down", "left", "right", "stop"] | Sequence[float]
+DirectionName: TypeAlias = Literal["up", "down", "left", "right", "stop"]
+Direction: TypeAlias = DirectionName | Sequence[float]
 """A name (up is +y), or x and y of length at most 1."""
 
 Rectangle: TypeAlias = tuple[float, float, float, float]

@@ -18,7 +18,7 @@ def test_the_plotted_path_is_the_balls(monkeypatch: pytest.MonkeyPatch) -> None:
     plotted: list[tuple[np.ndarray, np.ndarray]] = []
     # The plot is the one thing that needs a package more.
     pyplot = ModuleType("matplotlib.pyplot")
-    vars(pyplot).update(plot=lambda x, y: plotted.append((x, y)), show=lambda: None)
+    vars(pyplot).update(plot=lambda x, y: plotted.append((x, y)), axis=lambda _: None, show=lambda: None)
     matplotlib = ModuleType("matplotlib")
     vars(matplotlib)["pyplot"] = pyplot
     monkeypatch.setitem(sys.modules, "matplotlib", matplotlib)

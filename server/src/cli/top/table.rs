@@ -55,7 +55,7 @@ pub fn details(Sight { row, stats, clients }: &Sight) -> Vec<String> {
     }
     lines.push(String::new());
     lines.push(format!(
-        "  {:40} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8} {:>9}",
+        "  {:22} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8} {:>9}",
         format!("CLIENTS OF {}", row.arena),
         "STATES/s",
         "BYTES/s",
@@ -73,12 +73,13 @@ pub fn details(Sight { row, stats, clients }: &Sight) -> Vec<String> {
 }
 
 fn reader(ClientRow { role, id, report, .. }: &ClientRow) -> String {
-    let name = format!("{} {id}", role.chunk());
+    // A session's own name is a long number; its beginning tells it from others.
+    let name = format!("{} {}", role.chunk(), cut(id.as_str(), 12));
     let number = |number: Option<f64>| number.map_or("-".to_owned(), |number| format!("{number:.2}"));
     let [age, oldest] = report.age_ms.map_or([None; 2], |ages| ages.map(Some)).map(number);
     format!(
-        "  {:40} {:>9.1} {:>9} {age:>9} {oldest:>9} {:>9} {:>8} {:>9}",
-        cut(&name, 40),
+        "  {:22} {:>9.1} {:>9} {age:>9} {oldest:>9} {:>9} {:>8} {:>9}",
+        cut(&name, 22),
         report.states_per_s,
         short(report.bytes_per_s),
         number(report.jitter_ms),
