@@ -1,4 +1,4 @@
-//! What ten rough clients cost a healthy one: `cargo bench -p tests --bench isolation [-- SECONDS]`.
+//! What ten rough clients cost a healthy one: `cargo bench --workspace --bench isolation [-- SECONDS]`.
 //!
 //! For 100 and 10 000 balls at 60 Hz: ticks that ended late, states the healthy client heard of those published, and their
 //! age when they were read (the server's wall clock at the tick to this process's, which is the same clock), without and

@@ -1,4 +1,5 @@
-//! Ten clients that misbehave, each a process of its own.
+//! Ten clients that misbehave, each a process of its own that takes no processor time from others: they stand for other
+//! machines.
 
 use crate::process::Process;
 use crate::wait::PATIENCE;
@@ -30,7 +31,7 @@ impl Crowd {
             process.said(PATIENCE, |_| Some(()));
             process.signal(Signal::SIGSTOP);
         }
-        let rough = ROUGH.map(|kind| Process::start("rough-client", &[endpoint, kind]));
+        let rough = ROUGH.map(|kind| Process::start_aside("rough-client", &[endpoint, kind]));
         for process in &rough {
             process.said(PATIENCE, |line| (line == "here").then_some(()));
         }
@@ -50,5 +51,5 @@ impl Crowd {
 }
 
 fn reader(endpoint: &str) -> Process {
-    Process::start("ballroom", &["watch", "--json", "-e", endpoint])
+    Process::start_aside("ballroom", &["watch", "--json", "-e", endpoint])
 }
