@@ -67,8 +67,8 @@ impl Process {
 
     /// The same, but it gets only what processor time others leave: as good as on another machine.
     pub fn start_aside(program: &str, arguments: &[&str]) -> Self {
-        let mut command = Command::new("nice");
-        command.args(["-n", "19"]).arg(path_of(program)).args(arguments);
+        let mut command = Command::new("chrt");
+        command.args(["--idle", "0"]).arg(path_of(program)).args(arguments);
         Self::spawn(format!("{program} {}", arguments.join(" ")), command)
     }
 
