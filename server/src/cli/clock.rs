@@ -6,6 +6,7 @@ use std::io::Write;
 
 /// Stop the clock
 #[derive(clap::Args)]
+#[command(after_help = "Examples:\n  ballroom pause\n  ballroom pause --json | jq .tick")]
 pub struct Pause {
     #[command(flatten)]
     asked: Asked,
@@ -13,6 +14,7 @@ pub struct Pause {
 
 /// Let the clock run
 #[derive(clap::Args)]
+#[command(after_help = "Examples:\n  ballroom resume\n  ballroom resume --arena left")]
 pub struct Resume {
     #[command(flatten)]
     asked: Asked,

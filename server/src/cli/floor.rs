@@ -7,6 +7,7 @@ use protocol::command::Command;
 
 /// Change the floor while balls roll on it
 #[derive(clap::Args)]
+#[command(after_help = "Examples:\n  ballroom floor move 5,3=-4,0,-60")]
 pub struct Floor {
     #[command(subcommand)]
     verb: Verb,

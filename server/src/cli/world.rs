@@ -43,6 +43,7 @@ pub struct Reload {
 
 /// List the scenes that come with the server
 #[derive(clap::Args)]
+#[command(after_help = "Examples:\n  ballroom scenes\n  ballroom scenes --json | jq -r '.scenes[].name'")]
 pub struct Scenes {
     /// The answer as a line of JSON
     #[arg(long)]
@@ -53,6 +54,7 @@ pub struct Scenes {
 
 /// List what the server understands, with limits
 #[derive(clap::Args)]
+#[command(after_help = "Examples:\n  ballroom features\n  ballroom features --json | jq .commands.step")]
 pub struct Features {
     /// The answer as a line of JSON
     #[arg(long)]
