@@ -109,7 +109,10 @@ impl View {
         }
         drawn.log(&self.rec, before.as_ref())?;
         if let Some(name) = self.first.missing(&world.roster) {
-            self.note(true, &format!("no ball is named {name}: another one is followed"))?;
+            let names = world.roster.names.iter().take(8).map(String::as_str).collect::<Vec<_>>().join(", ");
+            let text = format!("no ball is named {name}: another one is followed; there are {names}");
+            tracing::warn!("{text}");
+            self.note(true, &text)?;
         }
         let plan = drawn.tessellation();
         let (triangles, sagitta) = (plan.triangles(), plan.sagitta_m * 1e3);

@@ -46,7 +46,7 @@ def ask(session: zenoh.Session, key: str, payload: bytes | None = None) -> bytes
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("keys", nargs="*", default=["up"], choices=["up", "down", "left", "right", "stop"])
-    parser.add_argument("-e", "--connect", default="tcp/127.0.0.1:7447", help="endpoint of the server")
+    parser.add_argument("-e", "--endpoint", default="tcp/127.0.0.1:7447", help="endpoint of the server")
     parser.add_argument("--arena", default="main")
     parser.add_argument("--player", default="python")
     args = parser.parse_args()
@@ -54,7 +54,7 @@ def main() -> None:
     config = zenoh.Config()
     config.insert_json5("mode", '"client"')
     config.insert_json5("scouting/multicast/enabled", "false")
-    config.insert_json5("connect/endpoints", json.dumps([args.connect]))
+    config.insert_json5("connect/endpoints", json.dumps([args.endpoint]))
     prefix = f"ballroom/v1/{args.arena}"
     with zenoh.open(config) as session:
         # Newest state only: a reader that is too slow misses states and never gets old ones.

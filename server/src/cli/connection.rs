@@ -24,7 +24,7 @@ pub struct ZenohFlags {
 #[derive(clap::Args, Debug)]
 pub struct Connection {
     /// Endpoint of the server [default: tcp/127.0.0.1:7447]
-    #[arg(short = 'e', long = "connect", value_name = "ENDPOINT")]
+    #[arg(short = 'e', long = "endpoint", alias = "connect", value_name = "ENDPOINT")]
     connect: Vec<String>,
     #[command(flatten)]
     zenoh: ZenohFlags,
