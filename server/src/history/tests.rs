@@ -210,7 +210,7 @@ fn commands_that_fill_the_memory_cost_the_oldest() {
 fn slots_are_bounded_and_a_stranger_is_named() {
     let mut ride = Ride::new("original", Settings::live(0));
     let none = ride.command(r#"{"cmd":"load_state","slot":"a"}"#).unwrap_err();
-    assert!(none.code == code::NOT_FOUND && none.why.contains("there is none"), "{none}");
+    assert!(none.code == code::NOT_FOUND && none.why.contains("none was saved yet"), "{none}");
     let off = ride.command(r#"{"cmd":"rewind","seconds":0}"#).unwrap_err();
     assert!(off.code == code::FEATURE_UNSUPPORTED && off.why.contains("--history"), "{off}");
     for slot in 0..protocol::timeline::MAX_SLOTS {
