@@ -172,8 +172,10 @@ fn play(client: &Client, seed: u64) {
 
 fn replay(file: &str) -> Value {
     let Output { code, stdout, stderr } = ballroom(&["replay", file, "--json"]);
-    assert_eq!(code, 0, "{stdout}{stderr}");
-    serde_json::from_str(&stdout).unwrap()
+    let verdict: Value = serde_json::from_str(&stdout).unwrap_or_else(|e| panic!("{e}: {stdout}{stderr}"));
+    // While it is still being written there may be nothing to compare yet, which is a failure of its own.
+    assert_eq!(code, i32::from(verdict["hashes"] == 0), "{stdout}{stderr}");
+    verdict
 }
 
 #[test]
