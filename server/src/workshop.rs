@@ -144,11 +144,16 @@ enum Order {
 pub struct Workshop(SyncSender<Order>);
 
 impl Workshop {
-    /// Starts the thread.
-    pub fn start(bench: Bench, inbox: Arc<Inbox>, archive: Arc<Archive>) -> std::io::Result<Self> {
+    /// Starts the thread; so many commands were passed on ready before.
+    pub fn start(
+        bench: Bench,
+        inbox: Arc<Inbox>,
+        archive: Arc<Archive>,
+        ready_so_far: u64,
+    ) -> std::io::Result<Self> {
         let (orders, waiting) = sync_channel(MAX_JOBS);
         let thread = std::thread::Builder::new().name("prepare".into());
-        thread.spawn(move || work(&bench, &inbox, &archive, waiting))?;
+        thread.spawn(move || work(&bench, &inbox, &archive, waiting, ready_so_far))?;
         Ok(Self(orders))
     }
 
@@ -182,9 +187,7 @@ impl Workshop {
     }
 }
 
-fn work(bench: &Bench, inbox: &Inbox, archive: &Archive, orders: Receiver<Order>) {
-    // Commands that were passed on ready.
-    let mut ready_so_far = 0;
+fn work(bench: &Bench, inbox: &Inbox, archive: &Archive, orders: Receiver<Order>, mut ready_so_far: u64) {
     for order in orders {
         let (job, answer) = match order {
             Order::Ready(job, answer) => (job, answer),

@@ -117,12 +117,9 @@ fn a_recording_goes_on_within_two_seconds_after_the_server_was_killed_and_restar
         assert_balls_rolled_inside_the_box(&ride);
         let rows = ride.rows(&format!("{BALLS}0"));
         let (before, after): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(|row| row.wall_ns < restarted_ns);
-        assert!(
-            !before.is_empty() && !after.is_empty(),
-            "{} rows before, {} after",
-            before.len(),
-            after.len()
-        );
+        if before.len() <= 30 || after.len() <= 30 {
+            return Err(format!("{} rows before, {} after", before.len(), after.len()));
+        }
         let late_s = (after[0].wall_ns - restarted_ns) as f64 * 1e-9;
         assert!(after[0].tick < before[before.len() - 1].tick + 60, "a new epoch counts from its own start");
         (late_s < 2.0).then_some(()).ok_or(format!("the first row came {late_s} s after the restart"))

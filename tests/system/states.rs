@@ -54,12 +54,21 @@ fn states_flow_at_the_tick_rate_and_a_late_joiner_gets_the_world() {
     let early = server.client();
     let mut follower = early.follow().unwrap();
     next_state(&mut follower, PATIENCE);
-    let states = states_for(&mut follower, Duration::from_secs(2));
-    let [first, last] = [&states[0], &states[states.len() - 1]];
-    let ticks = last.tick - first.tick;
-    let rate_hz = ticks as f64 / ((last.wall_ns - first.wall_ns) as f64 * 1e-9);
-    // Never faster; slower where the machine is busy with something else.
-    assert!(rate_hz < 61.0, "{rate_hz} ticks a second");
+    let (follower, heard) = (RefCell::new(follower), RefCell::default());
+    in_one_of_three_tries(|| {
+        let states = states_for(&mut follower.borrow_mut(), Duration::from_secs(2));
+        let [first, last] = [&states[0], &states[states.len() - 1]];
+        let ticks = last.tick - first.tick;
+        let rate_hz = ticks as f64 / ((last.wall_ns - first.wall_ns) as f64 * 1e-9);
+        let count = states.len() as u64;
+        heard.replace(states);
+        // Never faster; slower only where the machine is busy with something else.
+        assert!(rate_hz < 61.0, "{rate_hz} ticks a second");
+        let flows = rate_hz >= 30.0 && count >= ticks / 2;
+        flows.then_some(()).ok_or(format!("{count} states of {ticks} ticks, {rate_hz} a second"))
+    });
+    let states: Vec<Snapshot> = heard.into_inner();
+    let last = &states[states.len() - 1];
     for pair in states.windows(2) {
         assert!(pair[1].tick > pair[0].tick && pair[1].epoch == pair[0].epoch);
         assert!((pair[1].time_s - pair[1].tick as f64 / 60.0).abs() < 1e-9);

@@ -226,7 +226,8 @@ impl Network {
         });
         let keys = Keys::new(&options.arena);
         let session = link.session();
-        let workshop = Workshop::start(Bench::new(simulation), inbox.clone(), archive.clone())?;
+        let ready_so_far = options.first.iter().filter(|command| command.needs_preparing()).count() as u64;
+        let workshop = Workshop::start(Bench::new(simulation), inbox.clone(), archive.clone(), ready_so_far)?;
         let players = Arc::new(Players::new(inbox.clone()));
         let (known, drivers) = (latest.clone(), players.clone());
         let (answers, answered) = answers::Answers::start(move |query, answer| {
