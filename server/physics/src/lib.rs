@@ -15,6 +15,7 @@ pub mod controller;
 pub mod detect;
 pub mod diagnostics;
 pub mod motion;
+pub mod number;
 pub mod resolve;
 pub mod scene;
 pub mod schedule;
