@@ -14,6 +14,7 @@
 pub mod controller;
 pub mod detect;
 pub mod diagnostics;
+mod lanes;
 pub mod motion;
 pub mod number;
 pub mod resolve;

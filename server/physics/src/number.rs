@@ -35,6 +35,17 @@ impl Number for f64 {
     }
 }
 
+/// A row of the same number in every lane. Plain loops fill rows: a closure may become a call, which a kernel compiled
+/// for wide vectors cannot afford.
+#[inline(always)]
+pub fn row<T: Number, const N: usize>(like: T, x: &[f64; N]) -> [T; N] {
+    let mut out = [like; N];
+    for i in 0..N {
+        out[i] = like.like(x[i]);
+    }
+    out
+}
+
 /// Three numbers in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triple<T>(pub [T; 3]);

@@ -254,7 +254,8 @@ impl Stepping {
     }
 }
 
-fn not_finite<const D: usize>() -> Step<f64, D> {
+/// A step of which no number is one.
+pub(super) fn not_finite<const D: usize>() -> Step<f64, D> {
     Step {
         end: [f64::NAN; D],
         dense: [[f64::NAN; D]; TERMS],

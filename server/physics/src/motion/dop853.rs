@@ -6,10 +6,11 @@
 
 use super::dop853_tableau::{A, B, D as DENSE, E3, E5, STAGES, STAGES_DENSE};
 use super::law::{Law, ROLLING, Slope, Stand, rotation, velocity_in};
-use super::step::{Step, TERMS, combine};
+use super::step::{Step, TERMS, combine, weigh};
 use crate::number::{Number, Triple};
 use crate::surface::chart::Chart;
 use crate::tolerance::ERROR_TIME;
+use std::hint::black_box;
 
 /// The stages whose weights are not zero, for each stage; see [`A`].
 const USED: [&[usize]; STAGES_DENSE] = [
@@ -58,21 +59,13 @@ impl<T: Number, const D: usize> Attempt<T, D> {
     /// The state at which a stage's slope is taken.
     #[inline(always)]
     fn state_of(&self, y: &[T; D], h: T, stage: usize) -> [T; D] {
-        combine(y, h, USED[stage].iter().map(|j| (A[stage][*j], self.slope[*j])))
+        combine(y, h, &A[stage], &self.slope, USED[stage])
     }
 
     /// Estimates of the order 5 and 3 that belong to the solution's errors per second, component by component.
     #[inline(always)]
     pub fn errors(&self) -> [[T; D]; 2] {
-        [&E5, &E3].map(|weights| {
-            let mut sum = self.slope[0].map(|s| s * weights[0]);
-            for i in &SOLUTION[1..] {
-                for x in 0..D {
-                    sum[x] = sum[x] + self.slope[*i][x] * weights[*i];
-                }
-            }
-            sum
-        })
+        [weigh(&E5, &self.slope, &SOLUTION), weigh(&E3, &self.slope, &SOLUTION)]
     }
 }
 
@@ -93,7 +86,8 @@ pub fn attempt<T: Number, const D: usize, C: Chart>(
         end: *y,
     };
     s.slope[0] = *slope;
-    for stage in 1..STAGES {
+    // Unrolled, the loop would be larger than the cache for instructions.
+    for stage in 1..black_box(STAGES) {
         let at = s.state_of(y, h, stage);
         let slope = law.slope(&at);
         s.enter(law, stage, &at, &slope);
@@ -127,20 +121,27 @@ pub fn finish<T: Number, const D: usize, C: Chart>(
     let last = law.stand(&end);
     s.enter(law, STAGES, &end, &last.slope);
     let mut reaction_inside = last.slope.reaction;
-    for stage in STAGES + 1..STAGES_DENSE {
+    for stage in STAGES + 1..black_box(STAGES_DENSE) {
         let at = s.state_of(y, h, stage);
         let slope = law.slope(&at);
         s.enter(law, stage, &at, &slope);
         reaction_inside = slope.reaction;
     }
     s.enter(law, 0, y, &first.slope);
-    let rise = std::array::from_fn(|i| end[i] - y[i]);
+    let mut rise = end;
+    for i in 0..D {
+        rise[i] = end[i] - y[i];
+    }
     let dense = dense_output(h, y, &rise, &s.slope);
     let center = dense_path(h, first.center, last.center - first.center, &s.velocity);
     let nothing = Triple([h.like(0.0); 3]);
     let mut turn = [nothing; TERMS];
     if D == ROLLING {
-        let rise = SOLUTION.iter().fold(nothing, |sum, i| sum + s.omega[*i] * h.like(B[*i])) * h;
+        let mut rise = nothing;
+        for i in SOLUTION {
+            rise = rise + s.omega[i] * h.like(B[i]);
+        }
+        let rise = rise * h;
         turn = dense_path(h, nothing, rise, &s.omega);
     }
     Step { end, dense, center, turn, reaction: [first.slope.reaction, reaction_inside, last.slope.reaction] }
@@ -172,7 +173,16 @@ fn dense_path<T: Number>(
     rise: Triple<T>,
     slopes: &[Triple<T>; STAGES_DENSE],
 ) -> [Triple<T>; TERMS] {
-    dense_output(h, &start.0, &rise.0, &slopes.map(|s| s.0)).map(Triple)
+    let mut k = [rise.0; STAGES_DENSE];
+    for i in 0..STAGES_DENSE {
+        k[i] = slopes[i].0;
+    }
+    let dense = dense_output(h, &start.0, &rise.0, &k);
+    let mut out = [start; TERMS];
+    for i in 0..TERMS {
+        out[i] = Triple(dense[i]);
+    }
+    out
 }
 
 /// The dense output in powers of theta. The source gives it nested in theta and 1 - theta; expanded here.
@@ -183,13 +193,9 @@ fn dense_output<T: Number, const D: usize>(
     rise: &[T; D],
     k: &[[T; D]; STAGES_DENSE],
 ) -> [[T; D]; TERMS] {
-    let mut tail = DENSE.map(|weights| k[0].map(|slope| slope * weights[0]));
-    for i in &INSIDE[1..] {
-        for (sum, weights) in tail.iter_mut().zip(&DENSE) {
-            for x in 0..D {
-                sum[x] = sum[x] + k[*i][x] * weights[*i];
-            }
-        }
+    let mut tail = [*y; 4];
+    for i in 0..4 {
+        tail[i] = weigh(&DENSE[i], k, &INSIDE);
     }
     let mut out = [*y; TERMS];
     for x in 0..D {

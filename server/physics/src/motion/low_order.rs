@@ -12,6 +12,9 @@ type V3 = Triple<f64>;
 /// Nothing.
 const ZERO: V3 = Triple([0.0; 3]);
 
+/// Every stage counts.
+const ALL: [usize; 6] = [0, 1, 2, 3, 4, 5];
+
 /// Slopes at the stages, and the angular velocities there: the slopes of the angle turned.
 struct Stages<const D: usize, const N: usize> {
     rate: [[f64; D]; N],
@@ -32,14 +35,14 @@ impl<const D: usize, const N: usize> Stages<D, N> {
         (law, y, h): (&Law<'_, C, f64>, &[f64; D], f64),
         weights: [f64; M],
     ) {
-        let at = combine(y, h, weights.into_iter().zip(self.rate));
+        let at = combine(y, h, &weights, &self.rate, &ALL[..M]);
         let slope = law.slope(&at);
         self.rate[i] = slope.rate;
         self.omega[i] = turning(law, &at, &slope);
     }
 
     fn end(&self, y: &[f64; D], h: f64, weights: &[f64; N]) -> [f64; D] {
-        combine(y, h, weights.iter().copied().zip(self.rate))
+        combine(y, h, weights, &self.rate, &ALL[..N])
     }
 }
 

@@ -23,21 +23,36 @@ pub struct Step<T, const D: usize> {
 /// Where within the step the reaction is taken.
 pub const REACTION_AT: [f64; 3] = [0.0, 7.0 / 9.0, 1.0];
 
-/// y + h sum of `weight * slope`.
+/// y + h sum of `weight * slope` over the stages that are used.
 #[inline(always)]
 pub fn combine<T: Number, const D: usize>(
     y: &[T; D],
     h: T,
-    mut terms: impl Iterator<Item = (f64, [T; D])>,
+    weights: &[f64],
+    slopes: &[[T; D]],
+    used: &[usize],
 ) -> [T; D] {
-    let Some((weight, slope)) = terms.next() else { return *y };
-    let mut sum = slope.map(|s| s * weight);
-    for (weight, slope) in terms {
+    let sum = weigh(weights, slopes, used);
+    let mut out = *y;
+    for i in 0..D {
+        out[i] = y[i] + h * sum[i];
+    }
+    out
+}
+
+/// Sum of `weight * slope` over the stages that are used, of which there is at least one.
+#[inline(always)]
+pub fn weigh<T: Number, const D: usize>(weights: &[f64], slopes: &[[T; D]], used: &[usize]) -> [T; D] {
+    let mut sum = slopes[used[0]];
+    for i in 0..D {
+        sum[i] = sum[i] * weights[used[0]];
+    }
+    for stage in &used[1..] {
         for i in 0..D {
-            sum[i] = sum[i] + slope[i] * weight;
+            sum[i] = sum[i] + slopes[*stage][i] * weights[*stage];
         }
     }
-    std::array::from_fn(|i| y[i] + h * sum[i])
+    sum
 }
 
 /// The polynomial of degree 5 that has the given position, velocity and acceleration at both ends, in powers

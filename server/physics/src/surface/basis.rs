@@ -2,7 +2,7 @@
 //! stable, by a table of Bernstein polynomials elsewhere.
 
 use super::bezier::MAX_DEGREE;
-use crate::number::Number;
+use crate::number::{Number, row};
 
 /// Value and derivatives `[f, f_0, f_1, f_00, f_01, f_11]` at one place.
 pub(super) type Jet2<T> = [T; 6];
@@ -75,17 +75,16 @@ fn power_weight(n: usize, i: usize, k: usize) -> f64 {
 #[inline(always)]
 pub(super) fn horner<T: Number, const N: usize>(c: &[[f64; N]; N], [x, y]: [T; 2]) -> Jet2<T> {
     const { assert!(N >= 3) };
-    let like = |k: usize| -> [T; N] { std::array::from_fn(|j| x.like(c[k][j])) };
-    let mut value = like(N - 1);
+    let mut value = row(x, &c[N - 1]);
     let mut first = value;
-    value = times_plus(&value, x, &like(N - 2));
+    value = times_plus(&value, x, &row(x, &c[N - 2]));
     let mut half_second = first;
     first = times_plus(&first, x, &value);
-    value = times_plus(&value, x, &like(N - 3));
+    value = times_plus(&value, x, &row(x, &c[N - 3]));
     for i in (0..N - 3).rev() {
         half_second = times_plus(&half_second, x, &first);
         first = times_plus(&first, x, &value);
-        value = times_plus(&value, x, &like(i));
+        value = times_plus(&value, x, &row(x, &c[i]));
     }
     let [f, fy, half_fyy] = along(&value, y);
     let [fx, fxy, _] = along(&first, y);
@@ -95,7 +94,11 @@ pub(super) fn horner<T: Number, const N: usize>(c: &[[f64; N]; N], [x, y]: [T; 2
 
 #[inline(always)]
 fn times_plus<T: Number, const N: usize>(a: &[T; N], x: T, b: &[T; N]) -> [T; N] {
-    std::array::from_fn(|j| a[j] * x + b[j])
+    let mut out = *b;
+    for j in 0..N {
+        out[j] = a[j] * x + b[j];
+    }
+    out
 }
 
 /// Value, first and half the second derivative of sum c[j] y^j.
@@ -226,7 +229,11 @@ pub(super) fn contract<T: Number, const N: usize, const M: usize>(
 ) -> [Jet2<T>; M] {
     let degree = [axes[0].degree, axes[1].degree];
     let (x, y) = (axes[0].table::<T, N>(q[0]), axes[1].table::<T, N>(q[1]));
-    coefficients.map(|c| contract_one(c, &x, &y, degree))
+    let mut jets = [[q[0].like(0.0); 6]; M];
+    for m in 0..M {
+        jets[m] = contract_one(coefficients[m], &x, &y, degree);
+    }
+    jets
 }
 
 #[inline(always)]
@@ -242,15 +249,23 @@ fn contract_one<T: Number, const N: usize>(
             break;
         }
         let k = (degree[0] - i).min(N - 1);
-        for (row, xs) in rows.iter_mut().zip(x) {
+        for order in 0..3 {
             for j in 0..N {
-                let term = xs[i] * c[i][j];
-                row[j] = row[j] + if i == k { term } else { term + xs[k] * c[k][j] };
+                let term = x[order][i] * c[i][j];
+                let term = if i == k { term } else { term + x[order][k] * c[k][j] };
+                rows[order][j] = rows[order][j] + term;
             }
         }
     }
-    let dot = |a: usize, b: usize| paired_dot(&rows[a], &y[b], degree[1]);
-    [dot(0, 0), dot(1, 0), dot(0, 1), dot(2, 0), dot(1, 1), dot(0, 2)]
+    let [value, first, second] = &rows;
+    [
+        paired_dot(value, &y[0], degree[1]),
+        paired_dot(first, &y[0], degree[1]),
+        paired_dot(value, &y[1], degree[1]),
+        paired_dot(second, &y[0], degree[1]),
+        paired_dot(first, &y[1], degree[1]),
+        paired_dot(value, &y[2], degree[1]),
+    ]
 }
 
 #[cfg(test)]

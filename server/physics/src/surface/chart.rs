@@ -31,6 +31,8 @@ pub trait Frame<T> {
 
 /// A floor in one chart.
 pub trait Chart {
+    /// Whether several balls are worth a kernel of their own here: its size and the time to build it must pay.
+    const SIDE_BY_SIDE: bool = true;
     /// What it gives at a place.
     type Frame<T: Number>: Frame<T>;
     /// The floor at q; extrapolates the polynomial outside the patch.

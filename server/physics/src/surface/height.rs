@@ -2,7 +2,7 @@
 
 use super::basis::{Axis, contract, horner};
 use super::chart::{Chart, Frame};
-use crate::number::{Number, Triple};
+use crate::number::{Number, Triple, row};
 
 /// A height field at one place; the tangents are (1, 0, `z_x`) and (0, 1, `z_y`).
 #[derive(Clone, Copy, Debug)]
@@ -88,6 +88,7 @@ pub struct HeightChart<const N: usize> {
 }
 
 impl<const N: usize> Chart for HeightChart<N> {
+    const SIDE_BY_SIDE: bool = false;
     type Frame<T: Number> = HeightFrame<T>;
 
     #[inline(always)]
@@ -106,17 +107,17 @@ pub struct FlatChart {
 }
 
 impl Chart for FlatChart {
+    const SIDE_BY_SIDE: bool = false;
     type Frame<T: Number> = HeightFrame<T>;
 
     #[inline(always)]
     fn frame<T: Number>(&self, q: [T; 2]) -> HeightFrame<T> {
         let rise = q[0] * self.slope[0] + q[1] * self.slope[1];
-        let like = |x: f64| rise.like(x);
         HeightFrame {
-            point: Triple(self.middle.map(like)) + Triple([q[0], q[1], rise]),
-            slope: self.slope.map(like),
-            second: [like(0.0); 3],
-            cosine: like(self.cosine),
+            point: Triple(row(rise, &self.middle)) + Triple([q[0], q[1], rise]),
+            slope: row(rise, &self.slope),
+            second: [rise.like(0.0); 3],
+            cosine: rise.like(self.cosine),
         }
     }
 }
@@ -137,7 +138,7 @@ impl Chart for QuadricChart {
     fn frame<T: Number>(&self, q: [T; 2]) -> HeightFrame<T> {
         let [a, b, c] = self.curve;
         let [x, y] = q;
-        let [sx, sy] = self.slope.map(|s| x.like(s));
+        let [sx, sy] = row(x, &self.slope);
         let (bend_x, bend_y) = (x * a + y * b, x * b + y * c);
         let rise = (sx + bend_x * 0.5) * x + (sy + bend_y * 0.5) * y;
         let z = x.like(self.middle[2]) + rise;

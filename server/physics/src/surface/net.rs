@@ -18,16 +18,19 @@ impl<T: Number> NetFrame<T> {
     /// From the jets of x, y and z; `side` is +1 where `S_u` x `S_v` points to the balls' side, else -1.
     #[inline(always)]
     fn new(side: f64, [x, y, z]: [[T; 6]; 3]) -> Self {
-        let take = |i: usize| Triple([x[i], y[i], z[i]]);
-        let (su, sv) = (take(1), take(2));
+        let (su, sv) = (Triple([x[1], y[1], z[1]]), Triple([x[2], y[2], z[2]]));
         let cross = su.cross(sv);
         let inverse_area_squared = z[0].like(1.0) / cross.dot(cross);
         let normal = cross * (inverse_area_squared.sqrt() * side);
         Self {
-            point: take(0),
+            point: Triple([x[0], y[0], z[0]]),
             tangents: [su, sv],
             normal,
-            second: [take(3).dot(normal), take(4).dot(normal), take(5).dot(normal)],
+            second: [
+                Triple([x[3], y[3], z[3]]).dot(normal),
+                Triple([x[4], y[4], z[4]]).dot(normal),
+                Triple([x[5], y[5], z[5]]).dot(normal),
+            ],
             inverse_area_squared,
         }
     }
@@ -91,6 +94,7 @@ pub struct NetChart<const N: usize> {
 }
 
 impl<const N: usize> Chart for NetChart<N> {
+    const SIDE_BY_SIDE: bool = false;
     type Frame<T: Number> = NetFrame<T>;
 
     #[inline(always)]
