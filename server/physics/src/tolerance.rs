@@ -48,8 +48,8 @@ pub fn turn_left_out(accuracy: Accuracy, h: f64, radius: f64) -> f64 {
 pub const TURN_PIECE: f64 = 1.0;
 /// Terms of one piece: the last of a turn of degree 7 may be 7 rad long, and (7/2)^32/32! is below 1e-17.
 pub const TURN_TERMS_MAX: usize = 33;
-/// Magnus steps that cost as much as one piece of a series.
-pub const TURN_STEPS_PER_SERIES: u32 = 5;
+/// Magnus steps that cost as much as one piece of a series: four are computed side by side.
+pub const TURN_STEPS_PER_SERIES: u32 = 12;
 /// Bound of what a Magnus step of a turn leaves out, over the size of the terms it is made of. Measured on turns of every
 /// size by the test `magnus_steps_and_series_leave_out_what_they_may`: a third of it.
 pub const TURN_REMAINDER: f64 = 1.0;

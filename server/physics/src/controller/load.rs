@@ -1,6 +1,7 @@
 //! A scene is checked and its balls are set down.
 
 use super::collide::Cluster;
+use super::prepare::Ahead;
 use super::{Ball, Controller, Work};
 use crate::detect::ball_wall::Plane;
 use crate::detect::broad_phase::BroadPhase;
@@ -8,6 +9,7 @@ use crate::diagnostics::Report;
 use crate::motion::arc::Arc;
 use crate::motion::body::{Body, Stepping};
 use crate::motion::law::{ROLLING, State};
+use crate::motion::together;
 use crate::resolve::impact::Scratch;
 use crate::scene::{Accuracy, BallSpec, Floor, MotionLaw, Scene, SceneFault};
 use crate::schedule::queue::Queue;
@@ -72,6 +74,7 @@ impl Controller {
             balls.push(ball);
         }
         let bounds = extent(&patch);
+        let ahead = Ahead::new(order.len(), together::width(&surface, scene.accuracy));
         Ok(Self {
             broad_phase: BroadPhase::new(&radii, bounds),
             span: (bounds[2] - bounds[0]).max(bounds[3] - bounds[1]),
@@ -92,7 +95,11 @@ impl Controller {
             now: Time::ZERO,
             hits: Vec::with_capacity(HITS_KEPT),
             report: Report::default(),
-            work: Work { scratch: Scratch::with_room(tolerance::CLUSTER_MAX + 1), cluster: Cluster::new() },
+            work: Work {
+                scratch: Scratch::with_room(tolerance::CLUSTER_MAX + 1),
+                cluster: Cluster::new(),
+                ahead,
+            },
         })
     }
 

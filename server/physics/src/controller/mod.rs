@@ -5,6 +5,7 @@
 //! | a scene is checked and its balls are set down | `load` |
 //! | an advance: the first event of all, again and again | `advance` |
 //! | what a ball will meet within its window | `predict` |
+//! | next arcs, several at once | `prepare` |
 //! | a hit | `collide` |
 //! | a push, a held force | `steer` |
 //! | balls set anew, all or none | `reseat` |
@@ -20,6 +21,7 @@ mod load;
 mod observe;
 mod plain;
 mod predict;
+mod prepare;
 mod reseat;
 mod sound;
 mod steer;
@@ -121,6 +123,7 @@ pub struct Controller {
 struct Work {
     scratch: Scratch,
     cluster: collide::Cluster,
+    ahead: prepare::Ahead,
 }
 
 impl Controller {

@@ -60,6 +60,7 @@ impl Controller {
             }
         });
         self.queue.set(ball, best);
+        self.line_up(ball);
     }
 
     /// A window ends with the arc, before the ball has travelled far, and for a driven ball with the quantum.

@@ -1,7 +1,7 @@
 //! A body: what moves a ball and does not change along an arc, and how it is launched, held and landed.
 
 use super::arc::{Arc, Path, narrow, widen};
-use super::dop853;
+use super::dop853::{self, Attempt};
 use super::law::{Law, ROLLING, SLIDING, Stand, State, angular_velocity, velocity};
 use super::low_order;
 use super::step::{Step, TERMS};
@@ -168,6 +168,29 @@ impl Body {
     }
 }
 
+/// One copy for all who step one ball.
+#[inline(never)]
+fn attempt_alone<const D: usize, C: Chart>(
+    law: &Law<'_, C, f64>,
+    y: &[f64; D],
+    slope: &[f64; D],
+    h: f64,
+) -> Attempt<f64, D> {
+    dop853::attempt(law, y, slope, h)
+}
+
+/// See [`attempt_alone`].
+#[inline(never)]
+fn finish_alone<const D: usize, C: Chart>(
+    law: &Law<'_, C, f64>,
+    y: &[f64; D],
+    first: &Stand<f64, D>,
+    h: f64,
+    attempt: Attempt<f64, D>,
+) -> Step<f64, D> {
+    dop853::finish(law, y, first, h, attempt)
+}
+
 fn land_by<const D: usize, C: Chart>(
     law: &Law<'_, C, f64>,
     accuracy: Accuracy,
@@ -177,7 +200,7 @@ fn land_by<const D: usize, C: Chart>(
 ) -> ([f64; D], [f64; D]) {
     let end = match accuracy {
         Accuracy::Tolerance(_) | Accuracy::Fixed(Scheme::Dop853, _) => {
-            return dop853::land(law, y, slope, dt);
+            return attempt_alone(law, y, slope, dt).landed();
         }
         Accuracy::Fixed(Scheme::Rk4, _) => low_order::rk4_land(law, y, slope, dt),
         Accuracy::Fixed(Scheme::Tsit5, _) => low_order::tsit5_land(law, y, slope, dt),
@@ -201,7 +224,8 @@ fn step_by<const D: usize, C: Chart>(
                 Scheme::Rk4 => low_order::rk4_step(law, y, first, h),
                 Scheme::Tsit5 => low_order::tsit5_step(law, y, first, h),
                 Scheme::Dop853 => {
-                    dop853::finish(law, y, first, h, dop853::attempt(law, y, &first.slope.rate, h))
+                    let attempt = attempt_alone(law, y, &first.slope.rate, h);
+                    finish_alone(law, y, first, h, attempt)
                 }
             };
             return (h, step);
@@ -209,10 +233,10 @@ fn step_by<const D: usize, C: Chart>(
     };
     loop {
         let h = stepping.try_s;
-        let attempt = dop853::attempt(law, y, &first.slope.rate, h);
+        let attempt = attempt_alone(law, y, &first.slope.rate, h);
         let error = dop853::error_estimate(h, first.stretch, attempt.errors());
         match stepping.judge(tolerance, error) {
-            Verdict::Kept => return (h, dop853::finish(law, y, first, h, attempt)),
+            Verdict::Kept => return (h, finish_alone(law, y, first, h, attempt)),
             Verdict::Refused => {}
             Verdict::GivenUp => return (h, not_finite()),
         }

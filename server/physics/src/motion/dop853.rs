@@ -62,6 +62,12 @@ impl<T: Number, const D: usize> Attempt<T, D> {
         combine(y, h, &A[stage], &self.slope, USED[stage])
     }
 
+    /// The state after the step, and the slope there to first order: enough to land on an event.
+    #[inline(always)]
+    pub fn landed(self) -> ([T; D], [T; D]) {
+        (self.end, self.slope[STAGES - 1])
+    }
+
     /// Estimates of the order 5 and 3 that belong to the solution's errors per second, component by component.
     #[inline(always)]
     pub fn errors(&self) -> [[T; D]; 2] {
@@ -94,18 +100,6 @@ pub fn attempt<T: Number, const D: usize, C: Chart>(
     }
     s.end = s.state_of(y, h, STAGES);
     s
-}
-
-/// The state after h, and the slope there to first order: enough to land on an event.
-#[inline(always)]
-pub fn land<T: Number, const D: usize, C: Chart>(
-    law: &Law<'_, C, T>,
-    y: &[T; D],
-    slope: &[T; D],
-    h: T,
-) -> ([T; D], [T; D]) {
-    let attempt = attempt(law, y, slope, h);
-    (attempt.end, attempt.slope[STAGES - 1])
 }
 
 /// The whole step of an attempt that is kept.
