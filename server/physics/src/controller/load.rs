@@ -37,7 +37,7 @@ impl Controller {
             controller.launch(ball, Time::ZERO, &state);
         }
         for ball in 0..controller.balls.len() {
-            controller.predict(ball);
+            controller.predict(ball, Time::ZERO);
         }
         controller.observe();
         Ok(controller)

@@ -128,7 +128,7 @@ impl Controller {
             self.seat(*ball, state);
         }
         for Seated { ball, .. } in &seated {
-            self.predict(*ball);
+            self.predict(*ball, self.now);
         }
         self.observe();
         Ok(())
@@ -164,7 +164,7 @@ impl Controller {
             self.arcs[ball].turning.go_on_from(orientation);
         }
         for ball in 0..self.balls.len() {
-            self.predict(ball);
+            self.predict(ball, self.now);
         }
         self.observe();
     }

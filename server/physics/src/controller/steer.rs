@@ -57,7 +57,7 @@ impl Controller {
 
     fn set_off(&mut self, ball: usize, state: &State) {
         self.relaunch(ball, self.now, state);
-        self.predict(ball);
+        self.predict(ball, self.now);
         self.observe();
     }
 
@@ -98,7 +98,7 @@ impl Controller {
         self.close_arc(ball, time);
         self.balls[ball].body.applied = applied;
         self.launch(ball, time, state);
-        self.predict(ball);
+        self.predict(ball, time);
     }
 
     /// Acceleration of gravity and of the held force until the quantum ends. The force is constant for a whole

@@ -131,7 +131,7 @@ impl Controller {
             controller.set_out(*ball, now, state);
         }
         for ball in alone.iter().copied().chain(seated.iter().map(|seated| seated.ball)) {
-            controller.predict(ball);
+            controller.predict(ball, now);
             controller.observe_one(ball);
         }
         std::mem::swap(self, controller);
