@@ -127,7 +127,7 @@ impl Simulation {
     }
 
     fn center_m(&self, ball: usize) -> [f64; 2] {
-        self.controller.balls()[ball].center.xy().into()
+        self.controller.ball(ball).center.xy().into()
     }
 
     /// Goes on as `next` from its start, as the next epoch; what was goes there.
@@ -254,12 +254,18 @@ impl Simulation {
         out.steering_work_j = self.controller.steering_work();
         out.collisions = collisions(report.collisions);
         out.state_hash = self.controller.state_hash();
-        let balls = self.controller.balls();
-        refill(&mut out.uv, balls.iter().map(|b| b.uv.into()));
-        refill(&mut out.center_m, balls.iter().map(|b| b.center.into()));
-        refill(&mut out.velocity_m_per_s, balls.iter().map(|b| b.velocity.into()));
-        refill(&mut out.omega_rad_per_s, balls.iter().map(|b| b.omega.into()));
-        refill(&mut out.orientation_xyzw, balls.iter().map(|b| b.orientation));
+        for list in [&mut out.center_m, &mut out.velocity_m_per_s, &mut out.omega_rad_per_s] {
+            list.clear();
+        }
+        out.uv.clear();
+        out.orientation_xyzw.clear();
+        for ball in self.controller.balls() {
+            out.uv.push(ball.uv.into());
+            out.center_m.push(ball.center.into());
+            out.velocity_m_per_s.push(ball.velocity.into());
+            out.omega_rad_per_s.push(ball.omega.into());
+            out.orientation_xyzw.push(ball.orientation);
+        }
     }
 
     /// What the engine counts, into the statistics.
@@ -326,11 +332,6 @@ impl Simulation {
     pub const fn tick_rate_hz(&self) -> u32 {
         self.tick_rate_hz
     }
-}
-
-fn refill<T>(out: &mut Vec<T>, items: impl Iterator<Item = T>) {
-    out.clear();
-    out.extend(items);
 }
 
 const fn collisions(from: ballroom_physics::Collisions) -> Collisions {

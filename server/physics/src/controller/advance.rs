@@ -26,7 +26,6 @@ impl Controller {
             self.now = self.now.max(next.time);
             self.take(ball, &next);
         }
-        self.observe();
         self.report.since(&before)
     }
 
@@ -36,7 +35,7 @@ impl Controller {
                 self.collide_balls(ball, other as usize, next.time);
             }
             // The other ball went elsewhere: search again.
-            What::Ball { .. } => self.predict(ball),
+            What::Ball { .. } => self.predict(ball, next.time),
             What::Wall { wall } => self.collide_wall(ball, wall as usize, next.time),
             What::Renew => self.renew(ball, next.time),
         }
@@ -62,7 +61,7 @@ impl Controller {
                 }
             }
         }
-        self.predict(ball);
+        self.predict(ball, time);
     }
 
     /// Closes the present arc and puts a ball that was hit or pushed on a new one.

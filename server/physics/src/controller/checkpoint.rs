@@ -167,7 +167,6 @@ impl Controller {
             self.broad_phase.file(ball, bounds);
         }
         self.hits.clear();
-        self.observe();
         self.is_on_its_floor()
     }
 
@@ -175,20 +174,24 @@ impl Controller {
     /// still not say.
     fn is_on_its_floor(&self) -> bool {
         let near = |x: &f64| (-0.5..=1.5).contains(x);
-        self.energy().is_finite() && self.states.iter().all(|state| state.uv.iter().all(near))
+        let is_near = |ball| {
+            let (state, ..) = self.seen(ball);
+            self.surface.uv([state[0], state[1]]).iter().all(near)
+        };
+        self.energy().is_finite() && (0..self.balls.len()).all(is_near)
     }
 
     /// The largest speed, speed of the skin and change of speed that a force makes in a second, over all balls, m/s. What
     /// it is beyond reason costs time beyond reason.
     pub fn liveliest(&self) -> f64 {
-        let of_ball = |(ball, state): (&Ball, &BallState)| {
+        let of_ball = |(ball, state): (&Ball, BallState)| {
             let drive = ball.drive.map_or(0.0, |drive| (drive.acceleration * drive.direction.norm()).abs());
             let skin = state.omega.norm() * ball.body.radius;
             [state.velocity.norm(), skin, ball.body.applied.norm(), drive]
         };
         // Unlike `f64::max`, this keeps what is not a number.
         let larger = |a: f64, b: f64| if a >= b { a } else { b };
-        self.balls.iter().zip(&self.states).flat_map(of_ball).fold(0.0, larger)
+        self.balls.iter().zip(self.balls()).flat_map(of_ball).fold(0.0, larger)
     }
 
     /// Whether a ball's words can be those of a run at this time: nothing began later or ends too late, nobody meets

@@ -102,7 +102,7 @@ impl Controller {
         self.report.deepest_penetration = self.report.deepest_penetration.max(reach - distance);
         cluster.contacts.push(Contact { a: 0, b: Some(1), line: apart / distance });
         cluster.pairs.push(Pair { ball: a, partner: HitPartner::Ball(b) });
-        self.resolve(cluster, t);
+        self.resolve(cluster, t, time);
     }
 
     /// Resolves the hit of a ball and a wall predicted for `time`.
@@ -132,7 +132,7 @@ impl Controller {
         self.report.deepest_penetration = self.report.deepest_penetration.max(depth);
         cluster.contacts.push(Contact { a: 0, b: None, line: -plane.normal });
         cluster.pairs.push(Pair { ball, partner: HitPartner::Wall(wall) });
-        self.resolve(cluster, t);
+        self.resolve(cluster, t, time);
     }
 
     fn land(&self, ball: usize, time: Time) -> Landed {
@@ -183,9 +183,10 @@ impl Controller {
         cluster.members.push(member);
     }
 
-    /// Resolves the cluster around its first contact at `time`.
-    fn resolve(&mut self, mut cluster: Cluster, time: Time) {
-        self.now = self.now.max(time);
+    /// Resolves the cluster around its first contact at `time`, which was predicted for `event`.
+    fn resolve(&mut self, mut cluster: Cluster, time: Time, event: Time) {
+        let now = time.max(event);
+        self.now = self.now.max(now);
         let slow = cluster.contacts[0].closing(&cluster.members) <= REST_SPEED;
         if slow {
             self.report.rest_hits += 1;
@@ -218,7 +219,7 @@ impl Controller {
         }
         self.record(&cluster, time);
         self.count_hits(&mut cluster, time, slow);
-        self.relaunch_moved(&mut cluster, time);
+        self.relaunch_moved(&mut cluster, time, now);
         self.work.cluster = cluster;
     }
 
@@ -314,8 +315,8 @@ impl Controller {
         }
     }
 
-    /// Relaunches the two of the first contact and whoever else was moved, and looks ahead for all of them.
-    fn relaunch_moved(&mut self, cluster: &mut Cluster, time: Time) {
+    /// Relaunches the two of the first contact and whoever else was moved, and looks ahead from `now` for all of them.
+    fn relaunch_moved(&mut self, cluster: &mut Cluster, time: Time, now: Time) {
         let hit = cluster.contacts[0];
         cluster.found.clear();
         for (place, member) in cluster.members.iter().enumerate() {
@@ -337,7 +338,7 @@ impl Controller {
             }
         }
         for ball in cluster.found.drain(..) {
-            self.predict(ball);
+            self.predict(ball, now);
         }
     }
 

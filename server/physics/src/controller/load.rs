@@ -37,9 +37,8 @@ impl Controller {
             controller.launch(ball, Time::ZERO, &state);
         }
         for ball in 0..controller.balls.len() {
-            controller.predict(ball);
+            controller.predict(ball, Time::ZERO);
         }
-        controller.observe();
         Ok(controller)
     }
 
@@ -76,7 +75,6 @@ impl Controller {
             broad_phase: BroadPhase::new(&radii, bounds),
             span: (bounds[2] - bounds[0]).max(bounds[3] - bounds[1]),
             queue: Queue::new(order.len()),
-            states: vec![super::BallState::default(); order.len()],
             surface,
             patch,
             certificate: *certificate,

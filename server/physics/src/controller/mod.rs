@@ -110,7 +110,6 @@ pub struct Controller {
     time: Time,
     /// Time of the last event; never ahead of `time` but for the polish of a hit.
     now: Time,
-    states: Vec<BallState>,
     hits: Vec<Hit>,
     report: Report,
     work: Work,
@@ -132,11 +131,6 @@ impl Controller {
     /// Hits of the last advance in order of time, at most [`crate::tolerance::HITS_KEPT`].
     pub fn hits(&self) -> &[Hit] {
         &self.hits
-    }
-
-    /// The balls at the controller's time, by id.
-    pub fn balls(&self) -> &[BallState] {
-        &self.states
     }
 
     /// For each id, the ball's place in the scene's list.

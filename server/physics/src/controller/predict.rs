@@ -9,9 +9,10 @@ use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{WINDOW_MAX, WINDOW_MIN};
 
 impl Controller {
-    /// Opens a window for `ball` from now on and finds what comes first in it.
-    pub(super) fn predict(&mut self, ball: usize) {
-        let from = self.now.max(self.arcs[ball].start);
+    /// Opens a window for `ball` from `now` on and finds what comes first in it. The present is the caller's event: what
+    /// happens to others meanwhile, far away, cannot touch it.
+    pub(super) fn predict(&mut self, ball: usize, now: Time) {
+        let from = now.max(self.arcs[ball].start);
         self.open_window(ball, from);
         let arc = &self.arcs[ball];
         let id = ball as u32;

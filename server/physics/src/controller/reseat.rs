@@ -128,9 +128,8 @@ impl Controller {
             self.seat(*ball, state);
         }
         for Seated { ball, .. } in &seated {
-            self.predict(*ball);
+            self.predict(*ball, self.now);
         }
-        self.observe();
         Ok(())
     }
 
@@ -154,19 +153,17 @@ impl Controller {
         self.now = self.now.max(self.time);
         let stand = other.now.max(other.time);
         for ball in 0..self.balls.len().min(other.balls.len()) {
-            // Reading an orientation follows the turning along, so a copy.
-            let mut arc = other.arcs[ball];
+            let arc = &other.arcs[ball];
             let dt = stand.since(arc.start).max(0.0);
             let state = arc.land(&other.balls[ball].body, &other.surface, other.accuracy, dt).0;
             let orientation = arc.orientation_at(dt);
             self.release(ball);
             self.seat(ball, &state);
-            self.arcs[ball].turning.go_on_from(orientation);
+            self.arcs[ball].turning.start = orientation;
         }
         for ball in 0..self.balls.len() {
-            self.predict(ball);
+            self.predict(ball, self.now);
         }
-        self.observe();
     }
 
     /// The balls as they are, at time 0 and with every count at 0, in a copy of `start`, a controller of the same scene.

@@ -18,7 +18,7 @@ impl Controller {
         fresh.now = self.now.max(self.time);
         (0..self.balls.len()).all(|ball| self.is_clear(ball))
             && (0..self.balls.len()).all(|ball| {
-                fresh.predict(ball);
+                fresh.predict(ball, fresh.now);
                 self.expects(ball, fresh.queue.of(ball))
             })
     }

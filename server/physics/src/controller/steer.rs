@@ -44,7 +44,6 @@ impl Controller {
         self.balls[ball].drive = drive;
         let applied = self.applied(ball, &state, self.time);
         self.change_force(ball, self.now, &state, applied);
-        self.observe();
     }
 
     /// The ball's state at the caller's time, integrated to it.
@@ -57,8 +56,12 @@ impl Controller {
 
     fn set_off(&mut self, ball: usize, state: &State) {
         self.relaunch(ball, self.now, state);
-        self.predict(ball);
+<<<<<<< HEAD
+        self.predict(ball, self.now);
         self.observe();
+=======
+        self.predict(ball);
+>>>>>>> gas
     }
 
     /// Energy put in from outside until the controller's time, J: by pushes and held forces, by balls set anew, added and
@@ -98,7 +101,7 @@ impl Controller {
         self.close_arc(ball, time);
         self.balls[ball].body.applied = applied;
         self.launch(ball, time, state);
-        self.predict(ball);
+        self.predict(ball, time);
     }
 
     /// Acceleration of gravity and of the held force until the quantum ends. The force is constant for a whole

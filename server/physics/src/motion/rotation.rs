@@ -16,8 +16,8 @@ const RATE_TERMS: usize = TERMS - 1;
 /// A rate of constant direction is exact. Else theta from 0 to 1 is divided evenly into pieces, so that fast spin costs
 /// pieces here and not steps of the motion. A rate that hardly changes its direction takes Magnus steps of order 6
 /// (S. Blanes, F. Casas, J. Ros, "Improved high order integrators based on the Magnus expansion", BIT 40, 2000); where
-/// those would be many, the quaternion is summed as its own power series, of any order that the wanted error needs. What was followed is kept, so that later looks go on from there; since the pieces stand fixed,
-/// a look never changes another.
+/// those would be many, the quaternion is summed as its own power series, of any order that the wanted error needs. The pieces stand
+/// fixed, so that a look depends on its own time alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Turning {
     /// Integral of the angular velocity in powers of theta, rad; zero when sliding.
@@ -30,8 +30,6 @@ pub struct Turning {
     pub magnus: bool,
     /// Rotation that may be left out, rad.
     pub left_out: f64,
-    /// How many pieces have been followed, and the orientation there.
-    pub followed: (u32, [f64; 4]),
 }
 
 impl Turning {
@@ -42,7 +40,6 @@ impl Turning {
         pieces: 0,
         magnus: false,
         left_out: 1.0,
-        followed: (0, [0.0, 0.0, 0.0, 1.0]),
     };
 
     /// From the orientation `start` with another rate; Magnus steps in all, or each series, may leave out `left_out` rad.
@@ -52,17 +49,10 @@ impl Turning {
         let (series, steps) = (series_pieces(&turn), magnus_pieces(&turn, left_out));
         self.magnus = steps <= TURN_STEPS_PER_SERIES * series;
         self.pieces = if self.magnus { steps } else { series };
-        self.followed = (0, self.start);
-    }
-
-    /// The same course from another orientation.
-    pub fn go_on_from(&mut self, start: [f64; 4]) {
-        self.start = start;
-        self.followed = (0, start);
     }
 
     /// The orientation at `theta`.
-    pub fn at(&mut self, theta: f64) -> [f64; 4] {
+    pub fn at(&self, theta: f64) -> [f64; 4] {
         if theta == 0.0 || self.turn[1..].iter().all(|c| *c == V3::zeros()) {
             return self.start;
         }
@@ -77,14 +67,7 @@ impl Turning {
     fn follow(&mut self, theta: f64) -> [f64; 4] {
         let h = 1.0 / f64::from(self.pieces);
         let whole = (theta / h) as u32;
-        if whole < self.followed.0 {
-            self.followed = (0, self.start);
-        }
-        let (done, mut q) = self.followed;
-        for piece in done..whole {
-            q = self.turned(q, f64::from(piece) * h, h);
-        }
-        self.followed = (whole, q);
+        let q = (0..whole).fold(self.start, |q, piece| self.turned(q, f64::from(piece) * h, h));
         let from = f64::from(whole) * h;
         if theta > from { self.turned(q, from, theta - from) } else { q }
     }
