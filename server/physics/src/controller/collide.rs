@@ -192,6 +192,10 @@ impl Controller {
             self.report.rest_hits += 1;
         }
         self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });
+        for landed in &cluster.landed {
+            self.will_change(landed.ball);
+            self.reads_neighbours(landed.ball);
+        }
         if slow {
             // A slow hit does not move a ball that is held, be it hit itself or a neighbour.
             for (landed, member) in cluster.landed.iter().zip(&mut cluster.members) {
@@ -220,6 +224,7 @@ impl Controller {
         self.record(&cluster, time);
         self.count_hits(&mut cluster, time, slow);
         self.relaunch_moved(&mut cluster, time, now);
+        cluster.landed.iter().for_each(|landed| self.has_changed(landed.ball));
         self.work.cluster = cluster;
     }
 

@@ -1,9 +1,13 @@
 //! One report and one list of hits of what several shards did, in the one order of all events.
 
-use super::share::Key;
+use super::share::{Key, Share};
 use super::{Shard, Shards};
 use crate::controller::Controller;
 use crate::tolerance::HITS_KEPT;
+
+fn notes(shard: &Shard) -> Option<&Share> {
+    shard.0.share.as_deref()
+}
 
 /// Calls `visit` for every place of every shard's sorted keys, first keys first.
 fn in_order(
@@ -28,10 +32,9 @@ impl Shards {
             whole.report.add_counts(&shard.0.report);
             whole.now = whole.now.max(shard.0.now);
         }
-        let share = |shard: &Shard| shard.0.share.as_ref();
         in_order(
             &self.list,
-            |shard, place| Some(*share(shard)?.hit_keys.get(place)?),
+            |shard, place| Some(*notes(shard)?.hit_keys.get(place)?),
             |shard, place| {
                 if whole.hits.len() < HITS_KEPT {
                     whole.hits.push(shard.0.hits[place]);
@@ -42,9 +45,9 @@ impl Shards {
         );
         in_order(
             &self.list,
-            |shard, place| Some(share(shard)?.bookings.get(place)?.key),
+            |shard, place| Some(notes(shard)?.bookings.get(place)?.key),
             |shard, place| {
-                if let Some(booking) = share(shard).and_then(|share| share.bookings.get(place)) {
+                if let Some(booking) = notes(shard).and_then(|notes| notes.bookings.get(place)) {
                     whole.report.steering_work += booking.work;
                     whole.report.negative_reaction += booking.pulled;
                 }

@@ -1,8 +1,8 @@
 //! What a shard notes while it runs: how balls were before the phase, what happened to those that others have too, and
 //! whose copies mattered.
 
-use super::super::plain::Reader;
 use super::super::Controller;
+use super::super::plain::Reader;
 use crate::detect::broad_phase::Bounds;
 use crate::diagnostics::Report;
 use crate::schedule::event::{Next, What};
@@ -43,13 +43,14 @@ impl Span {
 
     /// Holds `other` too, from now on. What is not a number reaches everywhere.
     pub(super) fn take_in(&mut self, other: Self) {
-        self.low = if other.low >= self.low { self.low } else { other.low };
-        self.high = if other.high <= self.high { self.high } else { other.high };
+        self.low = if other.low.is_nan() { f64::NEG_INFINITY } else { self.low.min(other.low) };
+        self.high = if other.high.is_nan() { f64::INFINITY } else { self.high.max(other.high) };
     }
 
-    /// How far `self` lies below `other`, m; infinite if either is nowhere.
+    /// How far `self` lies below `other`, m: infinite if either is nowhere, and not at all where that is no number.
     pub(super) fn below(&self, other: &Self) -> f64 {
-        other.low - self.high
+        let room = other.low - self.high;
+        if room.is_nan() { f64::NEG_INFINITY } else { room }
     }
 }
 
@@ -98,7 +99,10 @@ pub(crate) struct Share {
     event: Key,
     /// Whether the event read an own ball, and the copies it read.
     reads_own: bool,
+    reads_absent: bool,
     reads: Vec<u32>,
+    /// Whether an own ball was to meet one that is not there.
+    pub(super) lost: bool,
     pub(super) bookings: Vec<Booking>,
     /// The event of each hit in the controller's list.
     pub(super) hit_keys: Vec<Key>,
@@ -125,6 +129,8 @@ impl Share {
             needed: vec![Time::ZERO; balls],
             event: (Time::ZERO, 0, 0, 0),
             reads_own: false,
+            reads_absent: false,
+            lost: false,
             reads: Vec::new(),
             bookings: Vec::new(),
             hit_keys: Vec::new(),
@@ -160,6 +166,7 @@ impl Share {
         self.words.clear();
         self.bookings.clear();
         self.hit_keys.clear();
+        self.lost = false;
     }
 
     /// The spans of a ball's bounds go on to hold `span`.
@@ -177,17 +184,17 @@ impl Share {
     }
 
     fn read(&mut self, ball: usize) {
-        if self.role[ball] > Role::Shared {
-            self.reads.push(ball as u32);
-        } else {
-            self.reads_own = true;
+        match self.role[ball] {
+            Role::Absent => self.reads_absent = true,
+            Role::Private | Role::Shared => self.reads_own = true,
+            Role::Below | Role::Above => self.reads.push(ball as u32),
         }
     }
 
     fn open_event(&mut self, ball: usize, next: &Next) {
         self.event = next.key(ball as u32);
         self.reads.clear();
-        self.reads_own = false;
+        (self.reads_own, self.reads_absent) = (false, false);
         self.read(ball);
         if let What::Ball { other, .. } = next.what {
             self.read(other as usize);
@@ -196,6 +203,7 @@ impl Share {
 
     fn close_event(&mut self) {
         if self.reads_own {
+            self.lost |= self.reads_absent;
             for ball in self.reads.drain(..) {
                 self.needed[ball as usize] = self.event.0;
             }
@@ -207,14 +215,20 @@ impl Controller {
     /// An event in a shard. One of a copy is another shard's: it counts there.
     pub(in super::super) fn take_in_shard(&mut self, ball: usize, next: &Next) {
         let before = (self.report, self.now);
-        let (hits, mut bookings, mut own) = (self.hits.len(), 0, true);
+        let (hits, mut bookings, mut own, mut absent) = (self.hits.len(), 0, true, false);
         if let Some(share) = &mut self.share {
             share.open_event(ball, next);
             bookings = share.bookings.len();
             own = share.role[ball] <= Role::Shared;
+            absent = share.reads_absent;
         }
         self.now = self.now.max(next.time);
-        self.take(ball, next);
+        if absent {
+            // A copy's partner that this shard does not have: the copy goes its own way, and is mended.
+            self.predict(ball, next.time);
+        } else {
+            self.take(ball, next);
+        }
         let Some(share) = &mut self.share else { return };
         share.close_event();
         if own {
@@ -246,7 +260,8 @@ impl Controller {
             share.news[ball] = true;
             self.seeds_of(ball, &mut |word| share.before.push(word));
             if share.role[ball] >= Role::Shared {
-                self.note(&mut share, ball, share.start);
+                let start = share.start;
+                self.note(&mut share, ball, start);
             }
         }
         self.share = Some(share);
@@ -270,7 +285,8 @@ impl Controller {
     fn note_after(&mut self, mut share: Box<Share>, ball: usize) {
         share.extend(ball, Span::of(self.broad_phase.bounds_of(ball), share.axis));
         if share.role[ball] >= Role::Shared {
-            self.note(&mut share, ball, share.event.0);
+            let time = share.event.0;
+            self.note(&mut share, ball, time);
         }
         self.share = Some(share);
     }
