@@ -17,7 +17,7 @@ impl Controller {
             };
             return self.advance_divided(time, in_turn);
         }
-        self.hits.clear();
+        self.clear_hits();
         let before = self.report;
         if time <= self.time {
             return Report::default();
@@ -33,8 +33,10 @@ impl Controller {
             let (ball, next) = self.queue.first();
             let next = *next;
             if next.time > time {
+                self.close_instant();
                 break;
             }
+            self.open_instant(next.time);
             if self.is_shard() {
                 self.take_in_shard(ball, &next);
                 continue;
@@ -97,7 +99,7 @@ impl Controller {
         let dt = time.since(arc.start);
         let pulled = arc.negative_reaction(dt);
         arc.turning.start = arc.orientation_at(dt);
-        self.book(work, pulled);
+        self.book(ball, work, pulled);
     }
 
     /// Puts a ball on a new arc, which keeps the orientation.

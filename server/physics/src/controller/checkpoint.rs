@@ -179,7 +179,7 @@ impl Controller {
             self.queue.set(ball, next);
             self.broad_phase.file(ball, bounds);
         }
-        self.hits.clear();
+        self.clear_hits();
         self.is_on_its_floor()
     }
 

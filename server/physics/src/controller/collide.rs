@@ -7,7 +7,7 @@ use crate::motion::law::{State, velocity};
 use crate::resolve::impact::{Contact, Member, hop, resolve_cluster, resolve_one};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{
-    self, CLUSTER_MAX, HITS_KEPT, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
+    self, CLUSTER_MAX, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
     SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
 };
 use nalgebra::Vector3;
@@ -310,8 +310,11 @@ impl Controller {
                 HitPartner::Ball(_) => self.report.collisions.ball_ball += 1,
                 HitPartner::Wall(_) => self.report.collisions.ball_wall += 1,
             }
-            if self.hits.len() >= HITS_KEPT {
-                self.report.hits_dropped += 1;
+            if !self.lists_hits_of(pair.ball) {
+                continue;
+            }
+            if self.hits_are_full() {
+                self.drop_hits(1);
                 continue;
             }
             let at = &cluster.landed[contact.a];

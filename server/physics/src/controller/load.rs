@@ -1,5 +1,6 @@
 //! A scene is checked and its balls are set down.
 
+use super::ledger::Ledger;
 use super::{Ball, Controller, Work};
 use crate::detect::ball_wall::Plane;
 use crate::detect::broad_phase::BroadPhase;
@@ -88,6 +89,7 @@ impl Controller {
             now: Time::ZERO,
             hits: Vec::with_capacity(HITS_KEPT),
             report: Report::default(),
+            ledger: Ledger::new(),
             work: Work::new(),
             share: None,
             shards: None,

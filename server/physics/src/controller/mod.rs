@@ -12,11 +12,13 @@
 //! | what a tick shows: states, energy | `observe` |
 //! | a run as words: saved, restored, hashed | `checkpoint`, `plain` |
 //! | whether words from outside can be a run's | `sound` |
+//! | hits and sums, instant by instant | `ledger` |
 //! | a run in several parts at once, to the same bits | `shards` |
 
 mod advance;
 pub mod checkpoint;
 mod collide;
+mod ledger;
 mod load;
 mod observe;
 mod plain;
@@ -117,6 +119,7 @@ pub struct Controller {
     now: Time,
     hits: Vec<Hit>,
     report: Report,
+    ledger: ledger::Ledger,
     work: Work,
     /// What a shard notes, and the whole of a divided run.
     share: Option<Box<shards::Share>>,
@@ -146,7 +149,7 @@ impl Controller {
         self.time
     }
 
-    /// Hits of the last advance in order of time, at most [`crate::tolerance::HITS_KEPT`].
+    /// Hits of the last advance in order of time, those of one instant by ball, at most [`crate::tolerance::HITS_KEPT`].
     pub fn hits(&self) -> &[Hit] {
         &self.hits
     }

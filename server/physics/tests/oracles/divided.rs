@@ -10,7 +10,7 @@ const RATE_HZ: u32 = 60;
 /// Every bit that is shown or counted.
 fn shown(engine: &Controller) -> (u64, [u64; 2], String) {
     let numbers = [engine.energy().to_bits(), engine.steering_work().to_bits()];
-    let told = format!("{:?} {:?} {:?}", engine.report(), engine.hits(), engine.time());
+    let told = format!("{:?} {:?}", engine.report(), engine.time());
     (engine.state_hash(), numbers, told)
 }
 
@@ -48,6 +48,7 @@ fn assert_same(name: &str, scene: &Scene, shards: &[usize], ticks: u64, steered:
             let also_told = engine.advance_to(time);
             assert_eq!(shown(engine), shown(&whole), "{name}, {count} shards, tick {tick}");
             assert_eq!(format!("{also_told:?}"), format!("{told:?}"), "{name}, {count} shards, tick {tick}");
+            assert!(engine.hits() == whole.hits(), "{name}, {count} shards, tick {tick}");
             if tick % 16 == 5 {
                 assert!(engine.checkpoint() == whole.checkpoint(), "{name}, {count} shards, tick {tick}");
                 assert_eq!(all_bits(engine), all_bits(&whole), "{name}, {count} shards, tick {tick}");
@@ -91,26 +92,21 @@ fn a_cradle_across_a_border_hits_as_in_one_piece() {
     let at = |i: u32| center(f64::from(i) * 0.2 - 2.0, 0.0);
     scene.balls = (0..20).map(|i| still(&format!("row {i:02}"), 0.1, at(i))).collect();
     scene.balls.push(moving("striker", 0.1, center(-4.0, 0.0), 3.0, 0.0));
-    scene.balls.extend(cloud(40, [0.1, 0.1], 2.0, 0.0, 3).into_iter().map(|mut ball| {
-        ball.place = match ball.place {
-            ballroom_physics::Place::Center(at) => center(at.x, at.y + 4.0),
-            other => other,
-        };
-        ball
-    }));
+    let beside = |i: u32| center(f64::from(i % 8) * 0.9 - 3.0, f64::from(i / 8) + 1.0);
+    scene.balls.extend((0..40).map(|i| moving(&format!("beside {i:02}"), 0.1, beside(i), 0.3, 0.7)));
     assert_same("cradle", &scene, &[2, 3, 8], 240, false);
 }
 
 #[test]
 fn piles_and_held_balls_in_shards_are_those_in_one_piece() {
     let mut random = random(5);
-    for round in 0..4 {
+    for round in 0..3 {
         let bumps = [(2, 0, 0.2), (0, 2, 0.1 + 0.2 * random()), (3, 1, 0.01)];
         let law = if round % 2 == 0 { MotionLaw::Rolling } else { MotionLaw::Frictionless };
         let mut scene = graph(3.0, &bumps, law);
         scene.restitution = 0.5 + 0.1 * f64::from(round);
         scene.balls = cloud(60, [0.05, 0.12], 2.2, 1.0, 20 + u64::from(round as u8));
-        assert_same(&format!("pile {round}"), &scene, &[2, 3, 8], 200, round > 1);
+        assert_same(&format!("pile {round}"), &scene, &[2, 3, 8], 150, round > 1);
     }
 }
 

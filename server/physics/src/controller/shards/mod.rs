@@ -150,7 +150,7 @@ impl Controller {
         if self.shards.is_none() {
             return self.advance_to(time);
         }
-        self.hits.clear();
+        self.clear_hits();
         if time <= self.time {
             return Report::default();
         }

@@ -2,15 +2,14 @@
 //! whose copies mattered.
 
 use super::super::Controller;
+use super::super::ledger::Addend;
 use super::super::plain::Reader;
 use crate::detect::broad_phase::Bounds;
 use crate::diagnostics::Report;
 use crate::schedule::event::{Next, What};
 use crate::schedule::time::Time;
+use crate::tolerance::HITS_KEPT;
 use std::ops::Range;
-
-/// The one order of events: time, kind, ids.
-pub(super) type Key = (Time, u8, u32, u32);
 
 /// What a ball is to a shard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -64,14 +63,6 @@ pub(super) struct Entry {
     pub words: Range<usize>,
 }
 
-/// Addends of sums whose order counts.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Booking {
-    pub key: Key,
-    pub work: f64,
-    pub pulled: f64,
-}
-
 /// A shard's notes. The whole of a divided run has some too: who was changed in it.
 #[derive(Clone, Debug)]
 pub(crate) struct Share {
@@ -96,16 +87,19 @@ pub(crate) struct Share {
     pub(super) words: Vec<u64>,
     /// For each copy, the last event that read it together with a ball of one's own.
     pub(super) needed: Vec<Time>,
-    event: Key,
+    /// The event's time.
+    event: Time,
     /// Whether the event read an own ball, and the copies it read.
     reads_own: bool,
     reads_absent: bool,
     reads: Vec<u32>,
     /// Whether an own ball was to meet one that is not there.
     pub(super) lost: bool,
-    pub(super) bookings: Vec<Booking>,
-    /// The event of each hit in the controller's list.
-    pub(super) hit_keys: Vec<Key>,
+    /// Addends of the sums of the whole, with their instants, in order.
+    pub(super) addends: Vec<(Time, Addend)>,
+    /// The instant of each hit in the controller's list.
+    pub(super) hit_times: Vec<Time>,
+    pub(super) hits_dropped: u64,
 }
 
 impl Share {
@@ -127,13 +121,14 @@ impl Share {
             log: Vec::new(),
             words: Vec::new(),
             needed: vec![Time::ZERO; balls],
-            event: (Time::ZERO, 0, 0, 0),
+            event: Time::ZERO,
             reads_own: false,
             reads_absent: false,
             lost: false,
             reads: Vec::new(),
-            bookings: Vec::new(),
-            hit_keys: Vec::new(),
+            addends: Vec::new(),
+            hit_times: Vec::new(),
+            hits_dropped: 0,
         }
     }
 
@@ -164,8 +159,9 @@ impl Share {
         self.before.clear();
         self.log.clear();
         self.words.clear();
-        self.bookings.clear();
-        self.hit_keys.clear();
+        self.addends.clear();
+        self.hit_times.clear();
+        self.hits_dropped = 0;
         self.lost = false;
     }
 
@@ -183,6 +179,10 @@ impl Share {
         }
     }
 
+    fn owns(&self, ball: usize) -> bool {
+        matches!(self.role[ball], Role::Private | Role::Shared)
+    }
+
     fn read(&mut self, ball: usize) {
         match self.role[ball] {
             Role::Absent => self.reads_absent = true,
@@ -192,7 +192,7 @@ impl Share {
     }
 
     fn open_event(&mut self, ball: usize, next: &Next) {
-        self.event = next.key(ball as u32);
+        self.event = next.time;
         self.reads.clear();
         (self.reads_own, self.reads_absent) = (false, false);
         self.read(ball);
@@ -205,7 +205,7 @@ impl Share {
         if self.reads_own {
             self.lost |= self.reads_absent;
             for ball in self.reads.drain(..) {
-                self.needed[ball as usize] = self.event.0;
+                self.needed[ball as usize] = self.event;
             }
         }
     }
@@ -215,12 +215,10 @@ impl Controller {
     /// An event in a shard. One of a copy is another shard's: it counts there.
     pub(in super::super) fn take_in_shard(&mut self, ball: usize, next: &Next) {
         let before = (self.report, self.now);
-        let (hits, mut bookings, mut own, mut absent) = (self.hits.len(), 0, true, false);
+        let (mut own, mut absent) = (true, false);
         if let Some(share) = &mut self.share {
             share.open_event(ball, next);
-            bookings = share.bookings.len();
-            own = share.role[ball] <= Role::Shared;
-            absent = share.reads_absent;
+            (own, absent) = (share.owns(ball), share.reads_absent);
         }
         self.now = self.now.max(next.time);
         if absent {
@@ -231,12 +229,9 @@ impl Controller {
         }
         let Some(share) = &mut self.share else { return };
         share.close_event();
-        if own {
-            share.hit_keys.resize(self.hits.len(), share.event);
-        } else {
+        share.hit_times.resize(self.hits.len(), next.time);
+        if !own {
             (self.report, self.now) = before;
-            self.hits.truncate(hits);
-            share.bookings.truncate(bookings);
         }
     }
 
@@ -285,7 +280,7 @@ impl Controller {
     fn note_after(&mut self, mut share: Box<Share>, ball: usize) {
         share.extend(ball, Span::of(self.broad_phase.bounds_of(ball), share.axis));
         if share.role[ball] >= Role::Shared {
-            let time = share.event.0;
+            let time = share.event;
             self.note(&mut share, ball, time);
         }
         self.share = Some(share);
@@ -302,18 +297,34 @@ impl Controller {
         }
     }
 
-    /// Adds to the sums of floating-point numbers, or notes the addends where their order is not known yet.
+    /// Whether hits whose first ball is `ball` go into the list here.
     #[inline]
-    pub(in super::super) fn book(&mut self, work: f64, pulled: f64) {
+    pub(in super::super) fn lists_hits_of(&self, ball: usize) -> bool {
+        self.share.as_ref().is_none_or(|share| share.whole || share.owns(ball))
+    }
+
+    /// Counts hits that are not listed.
+    pub(in super::super) fn drop_hits(&mut self, count: usize) {
         match &mut self.share {
             Some(share) if !share.whole => {
-                if work != 0.0 || pulled != 0.0 {
-                    share.bookings.push(Booking { key: share.event, work, pulled });
+                share.hits_dropped += count as u64;
+                share.hit_times.truncate(HITS_KEPT);
+            }
+            _ => self.report.hits_dropped += count as u64,
+        }
+    }
+
+    /// Adds to the sums, or notes the addend where others' may come first.
+    pub(in super::super) fn add_up(&mut self, addend: Addend) {
+        match &mut self.share {
+            Some(share) if !share.whole => {
+                if share.owns(addend.ball as usize) {
+                    share.addends.push((self.ledger.time, addend));
                 }
             }
             _ => {
-                self.report.steering_work += work;
-                self.report.negative_reaction += pulled;
+                self.report.steering_work += addend.work;
+                self.report.negative_reaction += addend.pulled;
             }
         }
     }
@@ -321,8 +332,9 @@ impl Controller {
     /// Begins a phase with an empty sheet.
     pub(super) fn open_phase(&mut self, start: Time) {
         self.report = Report::default();
-        self.now = start;
-        self.hits.clear();
+        // The whole knows the latest event before.
+        self.now = Time::ZERO;
+        self.clear_hits();
         if let Some(share) = &mut self.share {
             share.open_phase(start);
         }
