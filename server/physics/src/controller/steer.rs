@@ -15,6 +15,7 @@ impl Controller {
         if ball >= self.balls.len() || !delta.iter().all(|x| x.is_finite()) {
             return;
         }
+        self.recall();
         let mut state = self.cut(ball);
         let (_, n) = self.balls[ball].body.seat(&self.surface, &state);
         let before = velocity(&state);
@@ -40,6 +41,7 @@ impl Controller {
         if ball >= self.balls.len() || !finite || self.balls[ball].drive == drive {
             return;
         }
+        self.recall();
         let state = self.cut(ball);
         self.balls[ball].drive = drive;
         let applied = self.applied(ball, &state, self.time);
@@ -56,18 +58,14 @@ impl Controller {
 
     fn set_off(&mut self, ball: usize, state: &State) {
         self.relaunch(ball, self.now, state);
-<<<<<<< HEAD
         self.predict(ball, self.now);
-        self.observe();
-=======
-        self.predict(ball);
->>>>>>> gas
     }
 
     /// Energy put in from outside until the controller's time, J: by pushes and held forces, by balls set anew, added and
     /// removed, by a floor or a gravity changed under them. Total energy less this is constant while every hit is elastic.
     pub fn steering_work(&self) -> f64 {
-        let running: f64 = (0..self.balls.len()).map(|ball| self.work_of_force(ball, self.time)).sum();
+        let running: f64 =
+            (0..self.balls.len()).map(|ball| self.holder(ball).work_of_force(ball, self.time)).sum();
         self.report.steering_work + running
     }
 

@@ -59,12 +59,11 @@ impl Turning {
         if self.pieces == 0 {
             return unit(compose(of_rotation_vector(along(&self.turn, theta)), self.start));
         }
-        let q = self.follow(theta);
-        unit(q)
+        unit(self.follow(theta))
     }
 
     /// The orientation at `theta`, of unit length but for the rounding of its pieces.
-    fn follow(&mut self, theta: f64) -> [f64; 4] {
+    fn follow(&self, theta: f64) -> [f64; 4] {
         let h = 1.0 / f64::from(self.pieces);
         let whole = (theta / h) as u32;
         let q = (0..whole).fold(self.start, |q, piece| self.turned(q, f64::from(piece) * h, h));
