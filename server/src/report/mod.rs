@@ -114,3 +114,6 @@ pub fn sections(options: &Options, progress: &mut Progress<'_>) -> Result<Vec<Se
     sections.push(hard_cases::measure(options, progress));
     Ok(sections)
 }
+
+#[cfg(test)]
+mod tests;
