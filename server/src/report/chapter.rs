@@ -57,8 +57,15 @@ pub fn measure(
     };
     section.summary = summary.into_string();
     section.html = page.into_string();
-    section.tables =
-        vec![work.table(subject), horizon.table(subject, &truth), orders::rows(subject, &observed)];
+    section.tables = vec![
+        work.table(subject),
+        horizon.table(subject, &truth),
+        orders::rows(subject, &observed),
+        energy::rows(subject, &drifts),
+        phases.rows(subject),
+    ];
+    section.tables.extend(ticks.tables(subject));
+    section.tables.extend(crowds.iter().map(|crowds| crowds.rows(subject)));
     section.pictures = vec![(format!("{}_work_precision", subject.id()), work_svg)];
     section.json = json!({
         "scene": subject.name,

@@ -55,10 +55,15 @@ pub fn measure(subject: &Subject, options: &Options) -> Result<Phases, ReportErr
     };
     let whole = sample(subject, subject.scene(), span_s)?;
     let mut samples = vec![whole];
-    for scene in variants(subject, options) {
+    for scene in if subject.balls() == 1 { Vec::new() } else { variants(subject, options) } {
         samples.push(sample(subject, &scene, span_s)?);
     }
-    let (each_s, residual) = fit(&samples);
+    let (each_s, residual) = if subject.balls() == 1 {
+        // Nothing to tell apart: no pairs, and hits on walls only.
+        ([whole.cpu_s / whole.counts[0].max(1.0), 0.0, 0.0, 0.0], 0.0)
+    } else {
+        fit(&samples)
+    };
     Ok(Phases { whole, span_s, balls: subject.balls(), each_s, residual, variants: samples.len() })
 }
 
@@ -143,11 +148,16 @@ impl Phases {
         let rows: Vec<_> = (0..KINDS.len()).filter(|&kind| self.whole.counts[kind] > 0.0).map(row).collect();
         html! {
             h3 { "Where the time goes" }
-            p {
-                "The engine counts and has no clock. The scene was run for " (plain(self.span_s)) " s in " (self.variants)
-                " variants (radii down to " (RADII[RADII.len() - 1]) " of its own, other tolerances, balls alone); the cost of one of each count is what fits all their CPU times, "
-                "none below zero. The fit is off by " (plain(100.0 * self.residual)) " % (root mean square); together it gives "
-                (plain(fitted)) " of the " (plain(self.measured())) " µs measured. An arc’s cost includes its windows and walls, a hit’s the arcs it begins."
+            @if self.balls == 1 {
+                p { "A ball alone: all of its time goes into its arcs, with their windows and walls." }
+            } @else {
+                p {
+                    "The engine counts and has no clock. The scene was run for " (plain(self.span_s)) " s in " (self.variants)
+                    " variants (radii down to " (RADII[RADII.len() - 1]) " of its own, other tolerances, balls alone); the cost of one of each "
+                    "count is what fits all their CPU times, none below zero. The fit is off by " (plain(100.0 * self.residual))
+                    " % (root mean square); together it gives " (plain(fitted)) " of the " (plain(self.measured()))
+                    " µs measured. An arc’s cost includes its windows and walls, a hit’s the arcs it begins."
+                }
             }
             (table(&["part", "counted by", "a ball-second", "ns each", "µs a ball-second", "share"], &rows))
         }

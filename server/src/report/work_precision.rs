@@ -35,6 +35,8 @@ pub struct WorkPrecision {
     pub own: Run,
     /// CPU time of reading the states of all ticks of the span, beyond that of stepping, µs a ball and simulated second.
     pub reading_micros: f64,
+    /// The reference's own error, m: smaller ones say nothing.
+    pub floor_m: f64,
 }
 
 /// Errors that a cheapest setting is named for, m.
@@ -59,12 +61,13 @@ impl WorkPrecision {
         let start = subject.start(subject.own())?;
         let ticked = cost(|| start.clone(), |run| (1..=truth.span).for_each(|n| _ = run.advance_to(tick(n))));
         let reading_micros = 1e6 * (ticked.seconds - own.cost.seconds) / ball_seconds(subject, truth);
-        Ok(Self { runs, own, reading_micros: reading_micros.max(0.0) })
+        Ok(Self { runs, own, reading_micros: reading_micros.max(0.0), floor_m: truth.error() })
     }
 
-    /// The cheapest run whose error is at most `wanted` m.
+    /// The cheapest run whose error is at most `wanted` m; none if the reference itself is not known that well.
     pub fn cheapest(&self, wanted: f64) -> Option<&Run> {
-        let exact = self.runs.iter().chain([&self.own]).filter(|run| run.error_m <= wanted);
+        let known = self.floor_m <= wanted;
+        let exact = self.runs.iter().chain([&self.own]).filter(|run| known && run.error_m <= wanted);
         exact.min_by(|a, b| a.micros.total_cmp(&b.micros))
     }
 
