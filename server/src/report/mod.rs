@@ -105,14 +105,18 @@ const USUAL: [&str; 4] = ["bicubic", "bowl", "break", "gas:1000"];
 
 /// Every section that needs no more than the engine: measures all of it, which takes minutes.
 pub fn sections(options: &Options, progress: &mut Progress<'_>) -> Result<Vec<Section>, ReportError> {
+    let mut sections = chapters(options, progress)?;
+    sections.push(hard_cases::measure(options, progress));
+    Ok(sections)
+}
+
+/// A section a scene.
+pub fn chapters(options: &Options, progress: &mut Progress<'_>) -> Result<Vec<Section>, ReportError> {
     let usual = USUAL.map(str::to_owned);
     let asked = if options.scenes.is_empty() { &usual[..] } else { &options.scenes[..] };
     // All of them first, so that a slip of the pen is told before anything is measured.
     let subjects = asked.iter().map(|name| Subject::open(name)).collect::<Result<Vec<_>, _>>()?;
-    let chapters = subjects.iter().map(|subject| chapter::measure(subject, options, progress));
-    let mut sections = chapters.collect::<Result<Vec<_>, _>>()?;
-    sections.push(hard_cases::measure(options, progress));
-    Ok(sections)
+    subjects.iter().map(|subject| chapter::measure(subject, options, progress)).collect()
 }
 
 #[cfg(test)]

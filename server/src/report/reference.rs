@@ -132,14 +132,19 @@ fn sooner(disagreement: &[f64]) -> (usize, f64) {
     (disagreement.len() - agreed, disagreement[agreed.max(1) - 1])
 }
 
-/// The scene with starting velocities that differ in their last bits, each ball's in another direction.
+/// The scene with starting velocities that differ in their last bits, each ball's in another direction. Balls at rest
+/// stay so unless all are: a rack that touches is to go on touching.
 fn shadow(subject: &Subject) -> Scene {
     let mut scene = Scene { accuracy: TIGHTEST, ..subject.scene().clone() };
-    let fastest = scene.balls.iter().map(|ball| ball.velocity.norm()).fold(1.0, f64::max);
+    let fastest = scene.balls.iter().map(|ball| ball.velocity.norm()).fold(0.0, f64::max);
+    let change = SHADOW * if fastest > 0.0 { fastest } else { 1.0 };
     for (i, ball) in scene.balls.iter_mut().enumerate() {
+        if fastest > 0.0 && ball.velocity.norm() == 0.0 {
+            continue;
+        }
         // The golden angle: no two alike, and along no axis.
         let (sin, cos) = (2.4 * (i + 1) as f64).sin_cos();
-        ball.velocity += SHADOW * fastest * Vector3::new(cos, sin, 0.0);
+        ball.velocity += change * Vector3::new(cos, sin, 0.0);
     }
     scene
 }

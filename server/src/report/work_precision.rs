@@ -76,6 +76,10 @@ impl WorkPrecision {
         self.runs.iter().any(|run| run.error_m != self.runs[0].error_m)
     }
 
+    fn why_none(&self, wanted: f64) -> &'static str {
+        if self.floor_m > wanted { "the reference is not known that well" } else { "none of those tried" }
+    }
+
     fn plot(&self, subject: &Subject, truth: &Reference) -> Plot {
         // What agrees with the reference to the last bit has no place on a logarithmic axis: it stands on the floor.
         let floor = truth.error().max(1e-16);
@@ -144,7 +148,7 @@ impl WorkPrecision {
             ],
             None => vec![
                 format!("{wanted:.0e} m"),
-                "none of those tried".into(),
+                self.why_none(wanted).into(),
                 "–".into(),
                 "–".into(),
                 "–".into(),
