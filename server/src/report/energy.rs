@@ -53,10 +53,7 @@ fn drift(subject: &Subject, setting: Accuracy, own: bool, span: f64) -> Result<D
 /// Kinetic energy, J: the whole without that of height.
 fn kinetic(subject: &Subject, run: &Controller) -> f64 {
     let scene = subject.scene();
-    let heights = run
-        .balls()
-        .iter()
-        .zip(run.scene_index())
+    let heights = std::iter::zip(run.balls(), run.scene_index())
         .map(|(ball, &place)| scene.balls[place].mass * scene.gravity.dot(&ball.center));
     run.energy() + heights.sum::<f64>()
 }

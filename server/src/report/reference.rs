@@ -5,7 +5,7 @@
 //! is no better than that; where the shadow parts, no arithmetic of this width can say where the balls are.
 
 use super::ReportError;
-use super::subject::{Subject, seconds, tick, words};
+use super::subject::{Subject, centers, seconds, tick, words};
 use ballroom_physics::{Accuracy, Controller, Scene, Scheme};
 use nalgebra::Vector3;
 
@@ -56,7 +56,7 @@ impl Reference {
         let mut run = subject.start(TIGHTEST)?;
         for n in 0..=ticks {
             run.advance_to(tick(n));
-            truth.centers.extend(run.balls().iter().map(|ball| ball.center));
+            truth.centers.extend(centers(&run));
         }
         truth.sensitivity = truth.errors(&mut subject.start_of(&shadow(subject))?, ticks);
         for step in STEPS {
@@ -101,8 +101,8 @@ impl Reference {
         let mut largest = 0.0_f64;
         let advance = |(n, truth): (usize, &[Vector3<f64>])| {
             run.advance_to(tick(n));
-            for (ball, truth) in run.balls().iter().zip(truth) {
-                let error = (ball.center - truth).norm();
+            for (center, truth) in centers(run).zip(truth) {
+                let error = (center - truth).norm();
                 // `max` would forget what is not a number.
                 largest = if error.is_nan() || largest.is_nan() { f64::NAN } else { largest.max(error) };
             }

@@ -1,6 +1,6 @@
 //! A whole report of two scenes, read back.
 
-use super::subject::{Subject, seconds, tick};
+use super::subject::{Subject, centers, seconds, tick};
 use super::{Options, Page, ReportError, chapters, hard_cases, sections};
 use ballroom_physics::{Accuracy, Controller, Scene, Scheme};
 use serde_json::Value;
@@ -125,7 +125,7 @@ fn an_error_and_an_order_in_the_report_are_those_of_a_run_made_by_hand() {
         let distance = |n| {
             truth.advance_to(tick(n));
             run.advance_to(tick(n));
-            (truth.balls()[0].center - run.balls()[0].center).norm()
+            (centers(&truth).next().unwrap() - centers(&run).next().unwrap()).norm()
         };
         (0..=span).map(distance).fold(0.0, f64::max)
     };

@@ -6,7 +6,7 @@ use super::plot::{Axis, Curve, Ink, Mark, Plot};
 use super::reference::Reference;
 use super::section::{Table, figure, table};
 use super::subject::{Family, Subject, number, tick, words};
-use super::{Options, Progress, ReportError, numbers};
+use super::{Options, Progress, ReportError, numbers, ticks};
 use ballroom_physics::Accuracy;
 use maud::{Markup, html};
 use serde_json::{Value, json};
@@ -59,7 +59,15 @@ impl WorkPrecision {
         }
         let own = run(subject, truth, subject.own())?;
         let start = subject.start(subject.own())?;
-        let ticked = cost(|| start.clone(), |run| (1..=truth.span).for_each(|n| _ = run.advance_to(tick(n))));
+        let ticked = cost(
+            || start.clone(),
+            |run| {
+                for n in 1..=truth.span {
+                    run.advance_to(tick(n));
+                    ticks::read(run);
+                }
+            },
+        );
         let reading_micros = 1e6 * (ticked.seconds - own.cost.seconds) / ball_seconds(subject, truth);
         Ok(Self { runs, own, reading_micros: reading_micros.max(0.0), floor_m: truth.error() })
     }
