@@ -46,7 +46,9 @@ fn drift(subject: &Subject, setting: Accuracy, own: bool, span: f64) -> Result<D
         liveliest = liveliest.max(kinetic(subject, &run));
         points.push([run.time().seconds(), (run.energy() - begin).abs()]);
     }
-    points.iter_mut().for_each(|point| point[1] /= liveliest);
+    for point in &mut points {
+        point[1] /= liveliest;
+    }
     Ok(Drift { setting, own, points })
 }
 
@@ -63,7 +65,6 @@ fn span_s(subject: &Subject, options: &Options) -> f64 {
     match (subject.balls(), options.quick) {
         (0..100, true) => 60.0,
         (0..100, false) => 600.0,
-        (100..3000, true) => 2.0,
         (100..3000, false) => 20.0,
         _ => 2.0,
     }

@@ -71,15 +71,15 @@ pub type Progress<'a> = dyn FnMut(&str) + 'a;
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// A scene cannot be run.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
+    #[error("{0}")]
+    Scene(Box<SceneError>),
     /// A scene that was taken is refused with another accuracy or other balls.
     #[error("{scene}: {fault}")]
     Variant {
         /// Which one.
         scene: String,
         /// Why.
-        fault: SceneFault,
+        fault: Box<SceneFault>,
     },
     /// The folder holds something else.
     #[error("{} is there already and is no report: name another folder with --out", .0.display())]
@@ -102,6 +102,12 @@ pub enum ReportError {
 
 /// What is measured when no scene is named.
 const USUAL: [&str; 4] = ["bicubic", "bowl", "break", "gas:1000"];
+
+impl From<SceneError> for ReportError {
+    fn from(fault: SceneError) -> Self {
+        Self::Scene(Box::new(fault))
+    }
+}
 
 /// Every section that needs no more than the engine: measures all of it, which takes minutes.
 pub fn sections(options: &Options, progress: &mut Progress<'_>) -> Result<Vec<Section>, ReportError> {

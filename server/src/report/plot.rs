@@ -12,11 +12,12 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
 
 /// Size in units of its own; a page shows it at half of that or so.
-const SIZE: (u32, u32) = (1440, 880);
+const SIZE: (u32, u32) = (1440, HEIGHT as u32);
+const HEIGHT: i32 = 880;
 /// Height of letters.
 const LETTERS: i32 = 25;
 /// Room below the curves for numbers.
-const LABELS: u32 = 84;
+const LABELS: i32 = 84;
 /// Room to the right of the curves for their names.
 const NAMES: u32 = 270;
 
@@ -273,7 +274,7 @@ fn high_mark(x: f64) -> f64 {
 /// Moves names that would stand on one another: down, and at the bottom up again.
 fn spread(names: &mut [((i32, i32), &Curve)]) {
     // Letters are a little more than half as wide as high.
-    let width = |curve: &Curve| curve.name.chars().count() as i32 * LETTERS * 11 / 20;
+    let width = |curve: &Curve| curve.name.chars().map(|_| LETTERS * 11 / 20).sum::<i32>();
     names.sort_by_key(|((_, y), _)| *y);
     let meets = |a: &((i32, i32), &Curve), b: &((i32, i32), &Curve)| {
         let ((ax, ay), (bx, by)) = (a.0, b.0);
@@ -286,7 +287,7 @@ fn spread(names: &mut [((i32, i32), &Curve)]) {
             }
         }
     }
-    let bottom = SIZE.1 as i32 - LABELS as i32 - LETTERS / 2;
+    let bottom = HEIGHT - LABELS - LETTERS / 2;
     for i in (0..names.len()).rev() {
         names[i].0.1 = names[i].0.1.min(bottom);
         for j in (i + 1..names.len()).rev() {

@@ -69,7 +69,7 @@ impl Reference {
         }
         let apart: Vec<f64> =
             truth.disagreement.iter().zip(&truth.sensitivity).map(|(a, b)| a.max(*b)).collect();
-        let first_over = |limit: f64| apart.iter().position(|&d| !(d <= limit));
+        let first_over = |limit: f64| apart.iter().position(|&d| d.is_nan() || d > limit);
         truth.span = first_over(AGREED_M).map_or(ticks, |first| first.saturating_sub(1)).max(1);
         truth.horizon = first_over(truth.lost_m);
         Ok(truth)

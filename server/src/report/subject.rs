@@ -87,7 +87,8 @@ impl Subject {
 
     /// A variant of the scene at its start.
     pub fn start_of(&self, variant: &Scene) -> Result<Controller, ReportError> {
-        Controller::new(variant).map_err(|fault| ReportError::Variant { scene: self.name.clone(), fault })
+        Controller::new(variant)
+            .map_err(|fault| ReportError::Variant { scene: self.name.clone(), fault: Box::new(fault) })
     }
 }
 

@@ -95,7 +95,7 @@ impl WorkPrecision {
         let curve = |(family, ink): (Family, &Ink)| Curve {
             name: family.name().to_owned(),
             ink: *ink,
-            points: self.of(family).map(at).collect(),
+            points: down_to(floor, self.of(family).map(at)),
             dots: true,
             dashed: false,
         };
@@ -143,8 +143,8 @@ impl WorkPrecision {
         let caption = html! {
             "Largest distance of any ball’s centre from the reference over all "
             (truth.span) " ticks of " (plain(truth.span_s())) " s, against CPU time of stepping: down and to the left "
-            "is better. A dot is a run; the ring is the scene’s own setting, "
-            (words(self.own.setting)) ". The dashed line is how well the reference is known; nothing can be seen below it."
+            "is better. A dot is a run, and a curve ends where the reference is known no better; the ring is the scene’s own setting, "
+            (words(self.own.setting)) ". The dashed line is how well the reference is known."
         };
         let wanted = WANTED.map(|wanted| match self.cheapest(wanted) {
             Some(run) => vec![
@@ -229,6 +229,15 @@ impl WorkPrecision {
             "reading_us_per_ball_second": self.reading_micros,
         })
     }
+}
+
+/// Points up to the first that stands on the floor: what costs more than that is no longer seen to be better.
+fn down_to(floor: f64, points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
+    let mut points: Vec<_> = points.collect();
+    if let Some(first) = points.iter().position(|point| point[1] <= floor) {
+        points.truncate(first + 1);
+    }
+    points
 }
 
 /// An error in words, which ends where the reference's own begins.
