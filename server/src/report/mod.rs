@@ -122,7 +122,17 @@ pub fn chapters(options: &Options, progress: &mut Progress<'_>) -> Result<Vec<Se
     let asked = if options.scenes.is_empty() { &usual[..] } else { &options.scenes[..] };
     // All of them first, so that a slip of the pen is told before anything is measured.
     let subjects = asked.iter().map(|name| Subject::open(name)).collect::<Result<Vec<_>, _>>()?;
-    subjects.iter().map(|subject| chapter::measure(subject, options, progress)).collect()
+    let mut chapters: Vec<Section> = Vec::new();
+    for subject in &subjects {
+        let mut chapter = chapter::measure(subject, options, progress)?;
+        let same =
+            chapters.iter().filter(|known| known.title == chapter.title || known.id == chapter.id).count();
+        if same > 0 {
+            chapter.id = format!("{}-{}", chapter.id, same + 1);
+        }
+        chapters.push(chapter);
+    }
+    Ok(chapters)
 }
 
 #[cfg(test)]

@@ -223,7 +223,7 @@ impl Plot {
             .x_desc(&self.x.label)
             .y_desc(&self.y.label)
             .draw()?;
-        let mut names = Vec::new();
+        let mut ends = Vec::new();
         for curve in &self.curves {
             let color = curve.ink.color();
             let here = |point: &&[f64; 2]| self.x.has(point[0]) && self.y.has(point[1]);
@@ -237,26 +237,33 @@ impl Plot {
             if curve.dots {
                 chart.draw_series(points.iter().map(|&point| Circle::new(point, 6, color.filled())))?;
             }
-            names.push((chart.backend_coord(&end), curve));
+            ends.push((chart.backend_coord(&end), curve));
         }
-        for mark in &self.marks {
-            let at = (mark.at[0], mark.at[1]);
-            if !(self.x.has(at.0) && self.y.has(at.1)) {
-                continue;
-            }
-            chart.draw_series([Circle::new(at, 15, INK.stroke_width(3))])?;
-            let (px, py) = chart.backend_coord(&at);
-            let anchor = Pos::new(HPos::Right, VPos::Top);
-            let style = letters.clone().color(&INK).pos(anchor);
-            root.draw(&Text::new(mark.name.clone(), (px - 16, py + 6), style))?;
-        }
-        spread(&mut names);
-        for ((px, py), curve) in names {
-            let style = letters.clone().color(&curve.ink.color()).pos(Pos::new(HPos::Left, VPos::Center));
-            root.draw(&Text::new(curve.name.clone(), (px + 16, py), style))?;
-        }
-        Ok(())
+        let on_it = |mark: &&Mark| self.x.has(mark.at[0]) && self.y.has(mark.at[1]);
+        let marks = self.marks.iter().filter(on_it);
+        let marks = marks.map(|mark| (chart.backend_coord(&(mark.at[0], mark.at[1])), mark)).collect();
+        write_names(root, marks, ends)
     }
+}
+
+/// Rings with their names to the lower left, and the names of curves where they end.
+fn write_names(
+    root: &DrawingArea<SVGBackend<'_>, Shift>,
+    marks: Vec<((i32, i32), &Mark)>,
+    mut ends: Vec<((i32, i32), &Curve)>,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let letters = (FONT, LETTERS).into_font();
+    for ((x, y), mark) in marks {
+        root.draw(&Circle::new((x, y), 15, INK.stroke_width(3)))?;
+        let style = letters.clone().color(&INK).pos(Pos::new(HPos::Right, VPos::Top));
+        root.draw(&Text::new(mark.name.clone(), (x - 16, y + 6), style))?;
+    }
+    spread(&mut ends);
+    for ((x, y), curve) in ends {
+        let style = letters.clone().color(&curve.ink.color()).pos(Pos::new(HPos::Left, VPos::Center));
+        root.draw(&Text::new(curve.name.clone(), (x + 16, y), style))?;
+    }
+    Ok(())
 }
 
 /// The largest of 1, 2, 5 times a power of ten that is not above `x`.

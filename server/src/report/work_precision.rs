@@ -127,7 +127,8 @@ impl WorkPrecision {
         let own = &self.own;
         html! {
             code { (subject.name) } " at its own setting (" (words(own.setting)) "): "
-            (error_words(own.error_m, truth)) " for " (plain(own.micros)) " µs a ball-second"
+            @if self.matters() { (error_words(own.error_m, truth)) } @else { "a closed form, which no setting changes," }
+            " for " (plain(own.micros)) " µs a ball-second"
             @if self.matters() {
                 @if let Some(run) = self.cheapest(1e-9) {
                     "; cheapest for 1e-9 m: " (words(run.setting)) ", " (plain(run.micros)) " µs"
