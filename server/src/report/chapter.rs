@@ -88,7 +88,7 @@ fn span(subject: &Subject, options: &Options) -> usize {
     let seconds = match subject.balls() {
         0..100 => SPAN_S,
         100..3000 if options.quick => SPAN_S / 5,
-        100..3000 => SPAN_S / 2,
+        100..3000 => 3 * SPAN_S / 10,
         _ => 1,
     };
     seconds * RATE_HZ as usize
