@@ -1,6 +1,7 @@
 //! All that is said of one scene.
 
 use super::horizon::Horizon;
+use super::numbers::plain;
 use super::reference::Reference;
 use super::section::Section;
 use super::subject::{RATE_HZ, Subject, words};
@@ -34,7 +35,10 @@ pub fn measure(
     let balls = if subject.balls() == 1 { "ball" } else { "balls" };
     let page = html! {
         p { (subject.description()) }
-        p { (subject.balls()) " " (balls) ", own setting " (words(subject.own())) "." }
+        p {
+            (subject.balls()) " " (balls) ", own setting " (words(subject.own())) ", "
+            (plain(phases.hits_per_second())) " hits a simulated second."
+        }
         h3 { "Work and precision" }
         (work_html)
         h3 { "How long an error has a meaning" }

@@ -140,6 +140,11 @@ fn fit(samples: &[Sample]) -> ([f64; PARTS], f64) {
 }
 
 impl Phases {
+    /// Hits on balls and walls a simulated second.
+    pub fn hits_per_second(&self) -> f64 {
+        self.formed_and_hits[1] / self.span_s
+    }
+
     /// CPU time a ball and simulated second that a kind takes by the fit, µs.
     fn micros(&self, kind: usize) -> f64 {
         1e6 * self.whole.counts[kind] * self.each_s[kind] / (self.balls as f64 * self.span_s)
