@@ -70,7 +70,8 @@ pub fn measure(
     ];
     section.tables.extend(ticks.tables(subject));
     section.tables.extend(crowds.iter().map(|crowds| crowds.rows(subject)));
-    section.pictures = vec![(format!("{}_work_precision", subject.id()), work_svg)];
+    section.pictures =
+        work_svg.into_iter().map(|svg| (format!("{}_work_precision", subject.id()), svg)).collect();
     section.json = json!({
         "scene": subject.name,
         "balls": subject.balls(),

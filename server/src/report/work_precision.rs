@@ -138,8 +138,28 @@ impl WorkPrecision {
         }
     }
 
-    /// The part of the page, and the picture.
-    pub fn show(&self, subject: &Subject, truth: &Reference) -> Result<(Markup, String), ReportError> {
+    /// The part of the page, and the picture where there is something to see.
+    pub fn show(
+        &self,
+        subject: &Subject,
+        truth: &Reference,
+    ) -> Result<(Markup, Option<String>), ReportError> {
+        let reading = html! {
+            p {
+                "Reading the states of all ticks comes to " (plain(self.reading_micros))
+                " µs a ball-second more, at " (super::subject::RATE_HZ) " ticks a second."
+            }
+        };
+        if !self.matters() {
+            let markup = html! {
+                p {
+                    "Every setting gives the same bits: on a plane, motion is a closed form. What is left is the cost of hits, "
+                    (plain(self.own.micros)) " µs a ball-second over " (plain(truth.span_s())) " s."
+                }
+                (reading)
+            };
+            return Ok((markup, None));
+        }
         let svg = self.plot(subject, truth).svg()?;
         let caption = html! {
             "Largest distance of any ball’s centre from the reference over all "
@@ -147,34 +167,21 @@ impl WorkPrecision {
             "is better. A dot is a run, and a curve ends where the reference is known no better; the ring is the scene’s own setting, "
             (words(self.own.setting)) ". The dashed line is how well the reference is known."
         };
-        let wanted = WANTED.map(|wanted| match self.cheapest(wanted) {
-            Some(run) => vec![
-                format!("{wanted:.0e} m"),
-                words(run.setting),
-                rough(run.error_m),
-                plain(run.micros),
-                plain(run.steps),
-            ],
-            None => vec![
-                format!("{wanted:.0e} m"),
-                self.why_none(wanted).into(),
-                "–".into(),
-                "–".into(),
-                "–".into(),
-            ],
-        });
+        let columns = ["wanted", "cheapest setting", "error, m", "µs a ball-second", "steps a ball-second"];
         let markup = html! {
             (figure(&svg, &caption))
-            @if !self.matters() {
-                p { "Every setting gives the same bits: on a plane, motion is a closed form, and what is left is the cost of hits." }
-            }
-            (table(&["wanted", "cheapest setting", "error, m", "µs a ball-second", "steps a ball-second"], &wanted))
-            p {
-                "Reading the states of all ticks comes to " (plain(self.reading_micros))
-                " µs a ball-second more, at " (super::subject::RATE_HZ) " ticks a second."
-            }
+            (table(&columns, &WANTED.map(|wanted| self.cheapest_row(wanted))))
+            (reading)
         };
-        Ok((markup, svg))
+        Ok((markup, Some(svg)))
+    }
+
+    fn cheapest_row(&self, wanted: f64) -> Vec<String> {
+        let (setting, numbers) = match self.cheapest(wanted) {
+            Some(run) => (words(run.setting), [rough(run.error_m), plain(run.micros), plain(run.steps)]),
+            None => (self.why_none(wanted).to_owned(), ["–"; 3].map(str::to_owned)),
+        };
+        [format!("{wanted:.0e} m"), setting].into_iter().chain(numbers).collect()
     }
 
     /// All runs as rows of a table.
