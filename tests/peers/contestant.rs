@@ -1,6 +1,7 @@
 //! What every contestant can do.
 
 use super::problem::{Problem, Sample};
+use server::report::clock;
 
 /// A world in motion.
 pub trait World {
@@ -35,13 +36,13 @@ pub fn ride(problem: &Problem, entry: &Entry) -> (Vec<Sample>, Option<u64>) {
 
 /// CPU seconds per simulated second. In a gas, where every tenth of the run is like the others, the first tenth is the
 /// warm-up, outside the clock; elsewhere all of the run counts.
-pub fn cost(problem: &Problem, entry: &Entry, at_least: f64) -> f64 {
+pub fn cost(problem: &Problem, entry: &Entry) -> f64 {
     let (warm, last) = (problem.warm_up(), problem.samples());
-    let make = || {
+    let prepare = || {
         let mut world = (entry.make)(problem, false);
         world.go_to(warm);
         world
     };
-    let go = |world: &mut Box<dyn World>| (warm + 1..=last).for_each(|sample| world.go_to(sample));
-    super::clock::least(at_least, make, go) * f64::from(problem.sample_hz) / (last - warm) as f64
+    let run = |world: &mut Box<dyn World>| (warm + 1..=last).for_each(|sample| world.go_to(sample));
+    clock::cost(prepare, run).seconds * f64::from(problem.sample_hz) / (last - warm) as f64
 }

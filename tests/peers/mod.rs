@@ -6,13 +6,14 @@
 //! | [`contestant`] | what a contestant can do, and how it is run and timed |
 //! | [`ours`], [`rapier`] | the contestants of this process |
 //! | [`knobs`] | what can be set in Rapier |
-//! | [`measure`], [`clock`] | error, energy, overlap; CPU time |
+//! | [`measure`] | error, energy, overlap |
+//! | [`rows`] | best rows, ratios, and where a peer wins |
 
-pub mod clock;
 pub mod contestant;
 pub mod knobs;
 pub mod measure;
 pub mod ours;
 pub mod problem;
 pub mod rapier;
+pub mod rows;
 pub mod standard;

@@ -1,0 +1,3 @@
+//! Other engines run the standard cases beside ours.
+
+mod peers;
