@@ -38,12 +38,45 @@ impl Knobs {
         }
     }
 
+    /// The settings that a case is given: those that were best of many in some case, and the cheapest.
+    pub fn tried(problem: &Problem, quick: bool) -> Vec<Self> {
+        let cells = if problem.cells.is_empty() { &[0][..] } else { &problem.cells };
+        let few = if quick { 2 } else { usize::MAX };
+        let mut tried = vec![];
+        for &cells in cells.iter().take(if quick { 1 } else { usize::MAX }) {
+            for (n, &rate_hz) in problem.rates_hz.iter().take(few).enumerate() {
+                let plain = Self { cells, ..Self::plain(rate_hz) };
+                // Contacts that are used again cost least, and in a bowl most of the energy.
+                let anew = Self { recycling: false, ..plain };
+                tried.extend([plain, anew]);
+                if problem.balls.len() > 1_000 || (n > 1 && problem.ground == Ground::Plane) {
+                    continue;
+                }
+                tried.push(Self { iterations: [16, 1], ..anew });
+                tried.push(match problem.ground {
+                    Ground::Bowl(_) => Self { stiffness: Some(0.125), prediction: 0.002, ..anew },
+                    Ground::Plane => Self { ccd: 1, ..anew },
+                });
+                if n == 0 {
+                    tried.push(Self { iterations: [1, 1], ..anew });
+                    let other = Self { height_field: true, ..anew };
+                    tried.extend((problem.ground != Ground::Plane).then_some(other));
+                }
+            }
+        }
+        tried
+    }
+
     /// In few words; what is Rapier's own goes without saying.
     pub fn words(&self) -> String {
         let mut words = vec![format!("{} Hz", self.rate_hz)];
         let plain = Self::plain(self.rate_hz);
         if self.cells > 0 {
-            words.push(format!("{} cells{}", self.cells, if self.height_field { " (height field)" } else { "" }));
+            words.push(format!(
+                "{} cells{}",
+                self.cells,
+                if self.height_field { " (height field)" } else { "" }
+            ));
         }
         if self.iterations != plain.iterations {
             words.push(format!("{} x {} iterations", self.iterations[0], self.iterations[1]));

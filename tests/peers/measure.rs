@@ -17,7 +17,9 @@ pub struct Worth {
 pub fn norm(problem: &Problem) -> &'static str {
     match problem.truth {
         Truth::Centers(_) => "largest distance of a centre from the exact one over all ticks, m",
-        Truth::Velocities(..) => "difference of the last velocities in the kinetic norm, over the norm at the start",
+        Truth::Velocities(..) => {
+            "difference of the last velocities in the kinetic norm, over the norm at the start"
+        }
         Truth::Energy => "largest relative change of energy over all ticks (exact: none)",
     }
 }
@@ -32,7 +34,7 @@ pub fn judge(problem: &Problem, samples: &[Sample]) -> Worth {
             worst(pairs.map(|(own, exact)| distance(*own, *exact)))
         }
         Truth::Velocities(exact, _) => kinetic_difference(problem, &samples[samples.len() - 1], exact),
-        Truth::Energy => worst(energies.iter().map(|e| change(*e).abs())),
+        Truth::Energy => worst(energies.iter().map(|e| change(*e))),
     };
     let overlap = samples.iter().map(|sample| overlap(problem, sample)).fold(0.0, f64::max);
     Worth { error: finite(error), energy_change: change(energies[energies.len() - 1]), overlap }
@@ -40,7 +42,7 @@ pub fn judge(problem: &Problem, samples: &[Sample]) -> Worth {
 
 /// The largest, and infinity for what is no number.
 fn worst(errors: impl Iterator<Item = f64>) -> f64 {
-    errors.map(finite).fold(0.0, f64::max)
+    errors.map(|error| finite(error.abs())).fold(0.0, f64::max)
 }
 
 fn finite(error: f64) -> f64 {
@@ -57,7 +59,8 @@ fn square(a: Triple) -> f64 {
 
 /// Kinetic and potential energy, J. The plane's height is no matter, and of a sliding ball neither is its spin.
 pub fn energy(problem: &Problem, sample: &Sample) -> f64 {
-    let height = |center: &Triple| if problem.ground == Ground::Plane { 0.0 } else { problem.gravity * center[2] };
+    let height =
+        |center: &Triple| if problem.ground == Ground::Plane { 0.0 } else { problem.gravity * center[2] };
     let balls = problem.balls.iter().zip(&sample.centers).zip(&sample.velocities);
     let moving: f64 = balls.map(|((b, c), v)| b.mass * (0.5 * square(*v) + height(c))).sum();
     let turning = problem.balls.iter().zip(&sample.omegas);

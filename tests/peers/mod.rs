@@ -12,8 +12,11 @@
 pub mod contestant;
 pub mod knobs;
 pub mod measure;
+pub mod others;
 pub mod ours;
 pub mod problem;
 pub mod rapier;
 pub mod rows;
+pub mod run;
+pub mod section;
 pub mod standard;

@@ -28,7 +28,8 @@ def main():
         for name in found:
             settings, world = engines[name]
             runs += [ridden(problem, name, world, setting) for setting in settings(problem)]
-    json.dump({"runs": runs, "missing": [name for name in PACKAGES if name not in found]}, sys.stdout)
+    missing = [name for name in PACKAGES if name not in found]
+    json.dump({"runs": runs, "missing": missing}, sys.stdout, allow_nan=False)
 
 
 def has(name):
@@ -44,10 +45,10 @@ def ridden(problem, engine, make, setting):
     say(f"{engine}: {problem['id']}, {words(setting)}")
     world = make(problem, setting)
     samples = round(problem["seconds"] * problem["sample_hz"])
-    states = [world.look()]
+    states = [finite(world.look())]
     for sample in range(1, samples + 1):
         go_to(world, problem, setting, sample)
-        states.append(world.look())
+        states.append(finite(world.look()))
     world.close()
     warm = samples // 10 if problem["gas"] else 0
     spent, total = math.inf, 0.0
@@ -64,6 +65,14 @@ def ridden(problem, engine, make, setting):
     cost = spent * problem["sample_hz"] / (samples - warm)
     name = f"{engine} {world.version}"
     return {"case": problem["id"], "engine": name, "setting": words(setting), "cpu_s_per_s": cost, "samples": states}
+
+
+def finite(state):
+    """What is no number is written as one that nobody takes for a place."""
+    return {
+        name: [[x if math.isfinite(x) else 1e300 for x in vector] for vector in vectors]
+        for name, vectors in state.items()
+    }
 
 
 def say(line):
@@ -117,7 +126,7 @@ def mujoco_settings(problem):
     cells = [256] if len(problem["balls"]) == 1 else problem["cells"]
     settings = []
     for rate, count in grid(problem, cells, 240_000):
-        for part in (0.02, 0.05):
+        for part in (0.02, 0.05, 0.1):
             setting = {"rate_hz": rate, "stiffness": (2 * math.pi * part * rate) ** 2}
             setting["words"] = ["RK4", f"springs of {part * rate:g} Hz"]
             settings.append({**setting, "cells": count} if count else setting)
@@ -154,10 +163,9 @@ class MujocoWorld:
         self.mujoco.mj_comVel(self.model, self.data)
         centers = self.data.xpos[1:].tolist()
         velocities, omegas = [], []
-        for body in range(1, self.model.nbody):
-            six = [0.0] * 6
-            import numpy
+        import numpy
 
+        for body in range(1, self.model.nbody):
             six = numpy.zeros(6)
             self.mujoco.mj_objectVelocity(self.model, self.data, self.mujoco.mjtObj.mjOBJ_BODY, body, six, 0)
             velocities.append(six[3:].tolist())
@@ -179,22 +187,29 @@ def mujoco_scene(problem, setting):
     if bowl is not None:
         top, count = bowl * 2 * half * half, setting["cells"] + 1
         assets = f'<hfield name="floor" nrow="{count}" ncol="{count}" size="{half} {half} {top} 1"/>'
-        parts.append('<geom type="hfield" hfield="floor"/>')
+        parts.append('<geom name="floor" type="hfield" hfield="floor"/>')
     for point, normal in planes_of(problem):
         parts.append(f'<geom type="plane" size="100 100 1" pos="{spaced(point)}" zaxis="{spaced(normal)}"/>')
     axes = ["1 0 0", "0 1 0"] + (["0 0 1"] if bowl is not None else [])
-    for ball in problem["balls"]:
+    for n, ball in enumerate(problem["balls"]):
         inertia = ball["inertia_factor"] * ball["mass"] * ball["radius"] ** 2
         slides = "".join(f'<joint type="slide" axis="{axis}"/>' for axis in axes)
         parts.append(
             f'<body pos="{spaced(ball["center"])}">{"<freejoint/>" if problem["rolls"] else slides}'
             f'<inertial pos="0 0 0" mass="{ball["mass"]}" diaginertia="{spaced([inertia] * 3)}"/>'
-            f'<geom type="sphere" size="{ball["radius"]}"/></body>'
+            f'<geom name="ball{n}" type="sphere" size="{ball["radius"]}"/></body>'
         )
+    # Springs without damping would let friction slip for ever, so that it has a damper of its own.
+    pairs = ""
+    if problem["rolls"]:
+        grip = f'solreffriction="-1 {-setting["rate_hz"]}" friction="10 10 0 0 0" condim="3" {springs}'
+        named = range(len(problem["balls"]))
+        pairs = "".join(f'<pair geom1="floor" geom2="ball{n}" {grip}/>' for n in named)
     return f"""<mujoco><option timestep="{1 / setting["rate_hz"]}" integrator="RK4" gravity="0 0 {-gravity}"
         cone="elliptic" tolerance="1e-12" iterations="100"/>
         <default><geom friction="{friction}" condim="{condim}" {springs}/></default>
-        <size memory="256M"/><asset>{assets}</asset><worldbody>{"".join(parts)}</worldbody></mujoco>"""
+        <size memory="256M"/><asset>{assets}</asset><worldbody>{"".join(parts)}</worldbody>
+        <contact>{pairs}</contact></mujoco>"""
 
 
 def spaced(numbers):
@@ -222,6 +237,11 @@ def bullet_settings(problem):
     return settings
 
 
+def hits(problem):
+    """A ball alone in a bowl rides best without restitution, which makes it hop over the edges of the mesh."""
+    return len(problem["balls"]) > 1
+
+
 class BulletWorld:
     def __init__(self, problem, setting):
         import pybullet
@@ -229,11 +249,11 @@ class BulletWorld:
         self.engine, self.steps = pybullet, 0
         self.version = importlib.import_module("importlib.metadata").version("pybullet")
         self.client, self.rolls = pybullet.connect(pybullet.DIRECT), problem["rolls"]
+        self.bounce = 1 if hits(problem) else 0
         bowl = bowl_of(problem)
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=1 / setting["rate_hz"],
-            restitutionVelocityThreshold=0,
-            contactSlop=0,
+            **({"restitutionVelocityThreshold": 0, "contactSlop": 0} if hits(problem) else {}),
             allowedCcdPenetration=0,
             physicsClientId=self.client,
         )
@@ -268,7 +288,7 @@ class BulletWorld:
         body = self.engine.createMultiBody(0, shape, basePosition=(*point[:2], z), physicsClientId=self.client)
         friction = 10 if self.rolls else 0
         self.engine.changeDynamics(
-            body, -1, restitution=1, lateralFriction=friction, physicsClientId=self.client
+            body, -1, restitution=self.bounce, lateralFriction=friction, physicsClientId=self.client
         )
 
     def ball(self, problem, ball):
@@ -282,7 +302,7 @@ class BulletWorld:
         self.engine.changeDynamics(
             body,
             -1,
-            restitution=1,
+            restitution=self.bounce,
             lateralFriction=1 if problem["rolls"] else 0,
             linearDamping=0,
             angularDamping=0,

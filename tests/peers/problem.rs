@@ -1,6 +1,6 @@
 //! A case as every contestant is told it: balls, floor, walls, and what is exact.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A vector of metres or metres a second.
 pub type Triple = [f64; 3];
@@ -74,6 +74,8 @@ pub struct Problem {
     pub rates_hz: Vec<u32>,
     /// Cells of the floor's mesh along a side that peers are given.
     pub cells: Vec<usize>,
+    /// Whether many balls meet, so that only energy can be compared.
+    pub gas: bool,
     /// What is exact; nobody is told.
     #[serde(skip)]
     pub truth: Truth,
@@ -87,12 +89,13 @@ impl Problem {
 
     /// Samples at the beginning that are not timed.
     pub fn warm_up(&self) -> u64 {
-        if matches!(self.truth, Truth::Energy) { self.samples() / 10 } else { 0 }
+        if self.gas { self.samples() / 10 } else { 0 }
     }
 }
 
 /// Balls at one time.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct Sample {
     /// Centres, m.
     pub centers: Vec<Triple>,

@@ -23,6 +23,11 @@ pub struct Row {
     pub hits_per_second: Option<f64>,
 }
 
+/// Errors below this count as even: what is left is rounding.
+pub const ROUNDING: f64 = 1e-13;
+/// Overlaps below this part of a radius count as none.
+pub const TOUCH: f64 = 1e-9;
+
 /// Engines in the order of their first rows.
 pub fn engines(rows: &[Row]) -> Vec<&str> {
     let mut engines: Vec<&str> = vec![];
@@ -60,7 +65,8 @@ pub struct Ratios {
 
 /// Both ratios against the peer's row.
 pub fn ratios(ours: &[&Row], peer: &Row) -> Ratios {
-    let accurate: Vec<&Row> = ours.iter().copied().filter(|row| row.error <= peer.error).collect();
+    let accurate: Vec<&Row> =
+        ours.iter().copied().filter(|row| row.error <= peer.error.max(ROUNDING)).collect();
     let affordable: Vec<&Row> = ours.iter().copied().filter(|row| row.cost <= peer.cost).collect();
     Ratios {
         less_cpu: cheapest(&accurate).map(|row| peer.cost / row.cost),
@@ -68,9 +74,8 @@ pub fn ratios(ours: &[&Row], peer: &Row) -> Ratios {
     }
 }
 
-/// Errors of 0 exist on both sides.
 fn quotient(peer: f64, ours: f64) -> f64 {
-    if peer == ours { 1.0 } else { peer / ours }
+    if peer.max(ours) <= ROUNDING { 1.0 } else { peer / ours }
 }
 
 /// What a peer does better than every row of ours.
@@ -118,16 +123,20 @@ pub fn wins(rows: &[Row], us: &str) -> Vec<Win> {
         if cheap.cost < own_cheapest.cost {
             wins.push(Win::Cost { row: cheap.clone(), ours: own_cheapest.cost });
         }
-        if let Some(best) = most_accurate(&valid).filter(|best| best.error < own_best.error) {
+        if let Some(best) =
+            most_accurate(&valid).filter(|best| best.error < own_best.error && own_best.error > ROUNDING)
+        {
             wins.push(Win::Error { row: best.clone(), ours: own_best.error });
         }
-        let beaten = |row: &Row| ours.iter().any(|own| own.cost <= row.cost && own.error <= row.error);
-        let between: Vec<&Row> = valid.iter().copied().filter(|row| !beaten(row) && inside(row, &ours)).collect();
+        let beaten =
+            |row: &Row| ours.iter().any(|own| own.cost <= row.cost && own.error <= row.error.max(ROUNDING));
+        let between: Vec<&Row> =
+            valid.iter().copied().filter(|row| !beaten(row) && inside(row, &ours)).collect();
         if let Some(row) = most_accurate(&between) {
             wins.push(Win::Both { row: row.clone() });
         }
         let shallow = valid.iter().min_by(|a, b| a.overlap.total_cmp(&b.overlap));
-        if let Some(row) = shallow.filter(|row| row.overlap < own_overlap) {
+        if let Some(row) = shallow.filter(|row| row.overlap < own_overlap && own_overlap > TOUCH) {
             wins.push(Win::Overlap { row: (*row).clone(), ours: own_overlap });
         }
     }
@@ -171,7 +180,10 @@ mod tests {
             ]
         );
         // A run that ended in no numbers is cheap for nothing.
-        assert_eq!(with(&[row("a", 0.1, f64::INFINITY), cheap.clone()]), [Win::Cost { row: cheap, ours: 1.0 }]);
+        assert_eq!(
+            with(&[row("a", 0.1, f64::INFINITY), cheap.clone()]),
+            [Win::Cost { row: cheap, ours: 1.0 }]
+        );
     }
 
     #[test]
@@ -180,8 +192,12 @@ mod tests {
             row.overlap = overlap;
             row
         };
-        let rows = [deep(row("us", 1.0, 0.0), 1e-12), deep(row("a", 2.0, 1.0), 0.0), deep(row("b", 2.0, 1.0), 0.1)];
-        assert_eq!(wins(&rows, "us"), [Win::Overlap { row: rows[1].clone(), ours: 1e-12 }]);
+        let of_ours = |overlap| {
+            let others = [deep(row("a", 2.0, 1.0), 0.0), deep(row("b", 2.0, 1.0), 0.1)];
+            wins(&[&[deep(row("us", 1.0, 0.0), overlap)], &others[..]].concat(), "us")
+        };
+        assert_eq!(of_ours(0.01), [Win::Overlap { row: row("a", 2.0, 1.0), ours: 0.01 }]);
+        assert_eq!(of_ours(1e-12), []);
     }
 
     #[test]
@@ -195,7 +211,13 @@ mod tests {
     }
 
     #[test]
-    fn an_error_of_nothing_on_both_sides_is_even() {
+    fn errors_of_rounding_are_even() {
+        let own = row("us", 1.0, 2e-15);
+        assert_eq!(wins(&[own.clone(), row("a", 2.0, 1e-15)], "us"), []);
+        assert_eq!(
+            ratios(&[&own], &row("a", 2.0, 1e-15)),
+            Ratios { less_cpu: Some(2.0), less_error: Some(1.0) }
+        );
         let own = row("us", 1.0, 0.0);
         assert_eq!(ratios(&[&own], &row("peer", 1.0, 0.0)).less_error, Some(1.0));
         assert_eq!(ratios(&[&own], &row("peer", 1.0, 1.0)).less_error, Some(f64::INFINITY));
