@@ -152,6 +152,17 @@ fn runs_of_cases_that_are_not_measured_are_left_out() {
 }
 
 #[test]
+fn what_the_script_printed_elsewhere_is_read_from_a_file() {
+    let problem = short_orbit();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("runs.json");
+    let read = || Others::from_file(&path, std::slice::from_ref(&problem));
+    assert!(read().expect_err("no file").to_string().contains("runs.json cannot be read"));
+    std::fs::write(&path, printed(&problem).to_string()).expect("written");
+    assert_eq!(read().expect("taken").runs.len(), 1);
+}
+
+#[test]
 fn without_an_interpreter_there_are_no_others_and_no_error() {
     let others = Others::from_script("no-such-interpreter", &[]).expect("no error");
     assert_eq!((others.runs.len(), others.missing), (0, vec!["no-such-interpreter".to_owned()]));

@@ -41,7 +41,11 @@ impl Knobs {
     /// The settings that a case is given: those that were best of many in some case, and the cheapest.
     pub fn tried(problem: &Problem, quick: bool) -> Vec<Self> {
         let cells = if problem.cells.is_empty() { &[0][..] } else { &problem.cells };
-        let few = if quick { 2 } else { usize::MAX };
+        let few = match (quick, problem.gas) {
+            (true, true) => 1,
+            (true, false) => 2,
+            (false, _) => usize::MAX,
+        };
         let mut tried = vec![];
         for &cells in cells.iter().take(if quick { 1 } else { usize::MAX }) {
             for (n, &rate_hz) in problem.rates_hz.iter().take(few).enumerate() {

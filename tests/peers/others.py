@@ -10,7 +10,9 @@ CPU time of stepping. Errors are judged by the report, with the same arithmetic 
 import importlib
 import json
 import math
+import os
 import sys
+import tempfile
 import time
 
 PACKAGES = ["mujoco", "pybullet"]
@@ -268,24 +270,25 @@ class BulletWorld:
         self.balls = [self.ball(problem, ball) for ball in problem["balls"]]
 
     def floor(self, bowl, half, cells):
+        """A mesh with mended edges, which is better than a height field; such meshes come from files only."""
         side = cells + 1
         at = [half * (2 * k / cells - 1) for k in range(side)]
-        heights = [bowl * (x * x + y * y) for y in at for x in at]
-        middle = 0.5 * (min(heights) + max(heights))
-        self.middle = middle
-        return self.engine.createCollisionShape(
-            self.engine.GEOM_HEIGHTFIELD,
-            meshScale=[2 * half / cells, 2 * half / cells, 1],
-            heightfieldData=heights,
-            numHeightfieldRows=side,
-            numHeightfieldColumns=side,
-            physicsClientId=self.client,
-        )
+        lines = [f"v {x!r} {y!r} {bowl * (x * x + y * y)!r}" for y in at for x in at]
+        for a in (j * side + i + 1 for j in range(cells) for i in range(cells)):
+            lines += [f"f {a} {a + 1} {a + side + 1}", f"f {a} {a + side + 1} {a + side}"]
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "bowl.obj")
+            with open(path, "w") as file:
+                file.write("\n".join(lines))
+            return self.engine.createCollisionShape(
+                self.engine.GEOM_MESH,
+                fileName=path,
+                flags=self.engine.GEOM_FORCE_CONCAVE_TRIMESH | self.engine.GEOM_CONCAVE_INTERNAL_EDGE,
+                physicsClientId=self.client,
+            )
 
     def fixed(self, shape, point):
-        # A height field's own origin is the middle of its heights.
-        z = getattr(self, "middle", 0.0) if point == (0, 0, 0) else point[2]
-        body = self.engine.createMultiBody(0, shape, basePosition=(*point[:2], z), physicsClientId=self.client)
+        body = self.engine.createMultiBody(0, shape, basePosition=point, physicsClientId=self.client)
         friction = 10 if self.rolls else 0
         self.engine.changeDynamics(
             body, -1, restitution=self.bounce, lateralFriction=friction, physicsClientId=self.client

@@ -87,6 +87,11 @@ impl Problem {
         (self.seconds * f64::from(self.sample_hz)).round() as u64
     }
 
+    /// Whether anything is hit. A ball alone in a bowl rides best without restitution, which makes it hop over a mesh.
+    pub fn has_hits(&self) -> bool {
+        self.balls.len() > 1
+    }
+
     /// Samples at the beginning that are not timed.
     pub fn warm_up(&self) -> u64 {
         if self.gas { self.samples() / 10 } else { 0 }

@@ -30,7 +30,8 @@ impl Rapier {
         add_ground(&mut world, problem, knobs);
         add_walls(&mut world, problem);
         let events = counting && !on_line;
-        let balls = problem.balls.iter().map(|ball| add_ball(&mut world, problem, ball, knobs, events)).collect();
+        let balls =
+            problem.balls.iter().map(|ball| add_ball(&mut world, problem, ball, knobs, events)).collect();
         Self {
             world,
             balls,
@@ -105,12 +106,9 @@ fn add_ground(world: &mut PhysicsWorld, problem: &Problem, knobs: &Knobs) {
     };
     world.gravity = vector([0.0, 0.0, -problem.gravity]);
     let half = problem.half;
-    let collider = if knobs.height_field {
-        height_field(c, half, knobs.cells)
-    } else {
-        mesh(c, half, knobs.cells)
-    };
-    world.insert(RigidBodyBuilder::fixed(), surface_of(collider, problem.rolls));
+    let collider =
+        if knobs.height_field { height_field(c, half, knobs.cells) } else { mesh(c, half, knobs.cells) };
+    world.insert(RigidBodyBuilder::fixed(), surface_of(collider, problem));
 }
 
 /// A mesh whose inner edges are mended, so that a ball does not stumble over them.
@@ -129,7 +127,8 @@ fn mesh(c: f64, half: f64, cells: usize) -> ColliderBuilder {
         [[a, b, d], [a, d, c]]
     });
     let flags = TriMeshFlags::FIX_INTERNAL_EDGES;
-    ColliderBuilder::trimesh_with_flags(vertices.collect(), triangles.collect(), flags).expect("a regular mesh")
+    ColliderBuilder::trimesh_with_flags(vertices.collect(), triangles.collect(), flags)
+        .expect("a regular mesh")
 }
 
 /// Rapier's height fields rise along y: turned so that they rise along z. The bowl is the same from every side.
@@ -154,7 +153,7 @@ fn add_walls(world: &mut PhysicsWorld, problem: &Problem) {
     ] {
         let normal = Unit::new_unchecked(vector(normal));
         let wall = ColliderBuilder::halfspace(normal).translation(vector(point));
-        world.insert(RigidBodyBuilder::fixed(), surface_of(wall, false));
+        world.insert(RigidBodyBuilder::fixed(), surface_of(wall, problem).friction(0.0));
     }
 }
 
@@ -173,24 +172,28 @@ fn add_ball(
     if problem.rolls {
         body = body.angvel(vector(ball.omega));
     } else {
-        let flat = if problem.ground == Ground::Plane { LockedAxes::TRANSLATION_LOCKED_Z } else { LockedAxes::empty() };
+        let flat = if problem.ground == Ground::Plane {
+            LockedAxes::TRANSLATION_LOCKED_Z
+        } else {
+            LockedAxes::empty()
+        };
         body = body.locked_axes(LockedAxes::ROTATION_LOCKED | flat);
     }
     let inertia = ball.inertia_factor * ball.mass * ball.radius * ball.radius;
     let mass = MassProperties::new(Vector::ZERO, ball.mass as Real, vector([inertia; 3]));
-    let mut collider = surface_of(ColliderBuilder::ball(ball.radius as Real), problem.rolls).mass_properties(mass);
+    let mut collider = surface_of(ColliderBuilder::ball(ball.radius as Real), problem).mass_properties(mass);
     if events {
         collider = collider.active_events(ActiveEvents::COLLISION_EVENTS);
     }
     world.insert(body, collider).0
 }
 
-/// Elastic; without friction, or with more than rolling needs.
-fn surface_of(collider: ColliderBuilder, rolls: bool) -> ColliderBuilder {
+/// Elastic where there is something to hit; without friction, or with more than rolling needs.
+fn surface_of(collider: ColliderBuilder, problem: &Problem) -> ColliderBuilder {
     collider
-        .restitution(1.0)
+        .restitution(if problem.has_hits() { 1.0 } else { 0.0 })
         .restitution_combine_rule(CoefficientCombineRule::Max)
-        .friction(if rolls { 10.0 } else { 0.0 })
+        .friction(if problem.rolls { 10.0 } else { 0.0 })
         .friction_combine_rule(CoefficientCombineRule::Min)
 }
 
@@ -219,7 +222,15 @@ impl EventHandler for Counter {
         self.begun.fetch_add(u64::from(event.started()), Ordering::Relaxed);
     }
 
-    fn handle_contact_force_event(&self, _: Real, _: &RigidBodySet, _: &ColliderSet, _: &ContactPair, _: Real) {}
+    fn handle_contact_force_event(
+        &self,
+        _: Real,
+        _: &RigidBodySet,
+        _: &ColliderSet,
+        _: &ContactPair,
+        _: Real,
+    ) {
+    }
 
     fn handle_soft_body_tear_event(&self, _: &SoftBodySet, _: &SoftBodyTearEvent) {}
 }

@@ -17,7 +17,8 @@ pub struct Measured {
     pub rows: Vec<Row>,
 }
 
-/// Times every contestant is timed; what takes longer than [`LONG_S`] CPU seconds a run is timed once.
+/// Times every contestant is timed, in a quick report once; what takes longer than [`LONG_S`] CPU seconds a run is timed
+/// once.
 const ROUNDS: usize = 2;
 const LONG_S: f64 = 1.0;
 
@@ -31,7 +32,7 @@ pub fn measure(problem: Problem, others: &Others, quick: bool, progress: &mut dy
         let (samples, hits) = contestant::ride(&problem, entry);
         rows.push(row(&problem, (entry.engine, &entry.setting), &samples, hits));
     }
-    for round in 0..ROUNDS {
+    for round in 0..if quick { 1 } else { ROUNDS } {
         for (entry, row) in entries.iter().zip(&mut rows) {
             if round > 0 && row.cost * problem.seconds > LONG_S {
                 continue;

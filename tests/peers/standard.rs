@@ -174,7 +174,11 @@ fn gas(count: usize, bowl: bool) -> Problem {
         half,
         balls: scattered(count, half, RADIUS),
         gas: true,
-        rates_hz: if count > 1_000 { vec![240] } else { vec![240, 960, 3_840] },
+        rates_hz: match count {
+            0..1_000 => vec![240, 960, 3_840],
+            1_000 => vec![240, 960],
+            _ => vec![240],
+        },
         // A cell for every ball: 20 cm.
         cells: if bowl { vec![(count as f64).sqrt().ceil() as usize] } else { vec![] },
         ..plane(&format!("{name}-{count}"), &title)
