@@ -1,12 +1,11 @@
-//! This program run again under callgrind, which counts the instructions inside [`gauge`] and nowhere else.
+//! A program run under callgrind, which counts the instructions inside its `gauge` and nowhere else.
 
 use std::env;
-use std::hint::black_box;
 use std::path::Path;
 use std::process::Command;
 
-/// Set in the copy that runs under callgrind.
-const INSIDE: &str = "BALLROOM_COUNTED";
+/// Set for the program that is counted.
+pub const INSIDE: &str = "BALLROOM_COUNTED";
 
 /// What is said when there is no valgrind to run.
 pub const MISSING: &str = "valgrind is not installed: install the package `valgrind` to count instructions";
@@ -22,24 +21,7 @@ pub struct Count {
     pub each: f64,
 }
 
-/// Runs `work`, which does something `times` times, and has its instructions counted.
-pub fn count<T>(name: &str, times: u64, work: impl FnOnce() -> T) {
-    black_box(gauge(work));
-    println!("{name},{times}");
-}
-
-/// Callgrind knows it by its name: it collects while this runs and writes a sum when it returns.
-#[inline(never)]
-fn gauge<T>(work: impl FnOnce() -> T) -> T {
-    black_box(black_box(work)())
-}
-
-/// Whether this is the copy that is counted.
-pub fn is_counted() -> bool {
-    env::var_os(INSIDE).is_some()
-}
-
-/// Counts of `program`, which calls [`count`] and is told by [`is_counted`] to do so; None without valgrind.
+/// What `program` counts once [`INSIDE`] is set; None without valgrind.
 pub fn counts(program: &Path, arguments: &[String]) -> Result<Option<Vec<Count>>, String> {
     let folder = env::temp_dir().join(format!("ballroom-counts-{}", std::process::id()));
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;

@@ -1,6 +1,6 @@
 //! The kernels that most of the time goes to, each on inputs that differ from call to call.
 
-use crate::callgrind::count;
+use crate::counted::count;
 use ballroom_cases::scenes;
 use ballroom_physics::detect::ball_ball::{self, Standing};
 use ballroom_physics::detect::ball_wall::{self, Plane};

@@ -11,6 +11,7 @@
 //! `BALLROOM_REQUIRE_VALGRIND=1` makes a missing valgrind a failure.
 
 mod callgrind;
+mod counted;
 mod counts;
 mod kernels;
 mod scenes;
@@ -19,12 +20,14 @@ use counts::{Counts, Toolchain};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    if callgrind::is_counted() {
-        kernels::run();
+    let asked = |flag: &str| std::env::args().any(|a| a == flag);
+    if counted::is_counted() {
+        if !asked("--scenes") {
+            kernels::run();
+        }
         scenes::run();
         return ExitCode::SUCCESS;
     }
-    let asked = |flag: &str| std::env::args().any(|a| a == flag);
     match compare(asked("--check"), asked("--update")) {
         Ok(code) => code,
         Err(error) => {
