@@ -38,6 +38,12 @@ const GASES: &[&str] = &["scene: gas", "scene: cradle with gaps", "hit"];
 /// Nobody holds a force.
 const UNDRIVEN: &[&str] = &["scene: a ball", "scene: original", "scene: gas", "scene: cradle", "hit"];
 
+/// A choice of the floor's kernel with one answer.
+const ONLY_FLAT: &str =
+    "match $kernel { $crate::surface::chart::Kernel::Flat($chart) => $body, _ => unreachable!(),";
+const ONLY_QUADRIC: &str =
+    "match $kernel { $crate::surface::chart::Kernel::Quadric($chart) => $body, _ => unreachable!(),";
+
 /// All of them.
 pub const CUTS: &[Cut] = &[
     Cut {
@@ -80,75 +86,17 @@ pub const CUTS: &[Cut] = &[
             ("motion/arc.rs", "if self.path != Path::Curved {", "if true {"),
             ("motion/arc.rs", "Path::Curved => body.land(", "Path::Curved if false => body.land("),
             ("motion/arc.rs", "Path::Parabola => {", "Path::Parabola | Path::Curved => {"),
-            ("detect/ball_ball.rs", "if both_parabolas && ", "if both_parabolas || "),
+            ("detect/ball_ball.rs", "if both_parabolas && ", "if true || "),
             ("detect/ball_wall.rs", "if arc.path != Path::Curved {", "if true {"),
-            (
-                "surface/chart.rs",
-                "Kernel::Quadric($chart) => $body,",
-                "Kernel::Quadric(_) => unreachable!(),",
-            ),
-            (
-                "surface/chart.rs",
-                "Kernel::Height2($chart) => $body,",
-                "Kernel::Height2(_) => unreachable!(),",
-            ),
-            (
-                "surface/chart.rs",
-                "Kernel::Height3($chart) => $body,",
-                "Kernel::Height3(_) => unreachable!(),",
-            ),
-            (
-                "surface/chart.rs",
-                "Kernel::Height6($chart) => $body,",
-                "Kernel::Height6(_) => unreachable!(),",
-            ),
-            (
-                "surface/chart.rs",
-                "Kernel::Height10($chart) => $body,",
-                "Kernel::Height10(_) => unreachable!(),",
-            ),
-            (
-                "surface/chart.rs",
-                "Kernel::Height12($chart) => $body,",
-                "Kernel::Height12(_) => unreachable!(),",
-            ),
-            ("surface/chart.rs", "Kernel::Net3($chart) => $body,", "Kernel::Net3(_) => unreachable!(),"),
-            ("surface/chart.rs", "Kernel::Net12($chart) => $body,", "Kernel::Net12(_) => unreachable!(),"),
+            ("surface/chart.rs", "match $kernel {", ONLY_FLAT),
         ],
     },
     Cut {
-        feature: "floors of degree 3 and more, nets and planes",
+        feature: "other kinds of floor",
         unused_by: QUADRIC,
         edits: &[
             ("motion/body.rs", "if surface.is_flat() {", "if false {"),
-            ("surface/chart.rs", "Kernel::Flat($chart) => $body,", "Kernel::Flat(_) => unreachable!(),"),
-            (
-                "surface/chart.rs",
-                "Kernel::Height2($chart) => $body,",
-                "Kernel::Height2(_) => unreachable!(),",
-            ),
-            (
-                "surface/chart.rs",
-                "Kernel::Height3($chart) => $body,",
-                "Kernel::Height3(_) => unreachable!(),",
-            ),
-            (
-                "surface/chart.rs",
-                "Kernel::Height6($chart) => $body,",
-                "Kernel::Height6(_) => unreachable!(),",
-            ),
-            (
-                "surface/chart.rs",
-                "Kernel::Height10($chart) => $body,",
-                "Kernel::Height10(_) => unreachable!(),",
-            ),
-            (
-                "surface/chart.rs",
-                "Kernel::Height12($chart) => $body,",
-                "Kernel::Height12(_) => unreachable!(),",
-            ),
-            ("surface/chart.rs", "Kernel::Net3($chart) => $body,", "Kernel::Net3(_) => unreachable!(),"),
-            ("surface/chart.rs", "Kernel::Net12($chart) => $body,", "Kernel::Net12(_) => unreachable!(),"),
+            ("surface/chart.rs", "match $kernel {", ONLY_QUADRIC),
         ],
     },
     Cut {

@@ -7,12 +7,15 @@
 #[path = "../instructions/callgrind.rs"]
 mod callgrind;
 mod cuts;
+#[path = "../instructions/toolchain.rs"]
+mod toolchain;
 mod workbench;
 
 use callgrind::Count;
-use cuts::{CUTS, Cut};
+use cuts::CUTS;
 use std::fmt::Write as _;
 use std::path::PathBuf;
+use toolchain::Toolchain;
 use workbench::Workbench;
 
 /// A scene that does not use a feature.
@@ -39,15 +42,17 @@ fn main() {
 
 fn run() -> Result<(), String> {
     let bench = Workbench::new()?;
-    let whole = counted(&bench)?;
+    let whole = counted(&bench, &["scene", "hit"])?;
     let mut rows = vec![];
     println!("{:<48}{:<40}{:>14}{:>14}", "feature", "scene that does not use it", "instructions", "without");
     for cut in CUTS {
-        bench.cut(cut)?;
-        let without = counted(&bench)?;
-        bench.restore(cut)?;
-        for (with, without) in whole.iter().zip(&without).filter(|(with, _)| is_unused(cut, with)) {
-            let row = Row { feature: cut.feature, scene: with.name.clone(), each: [with.each, without.each] };
+        let before = bench.cut(cut)?;
+        let without = counted(&bench, cut.unused_by)?;
+        Workbench::restore(&before)?;
+        for without in without {
+            let with =
+                whole.iter().find(|with| with.name == without.name).ok_or("a scene that was not counted")?;
+            let row = Row { feature: cut.feature, scene: without.name, each: [with.each, without.each] };
             let [with, without] = row.each;
             println!(
                 "{:<48}{:<40}{with:>14.1}{without:>14.1}{:>+8.2} %",
@@ -64,18 +69,16 @@ fn run() -> Result<(), String> {
     Ok(())
 }
 
-fn is_unused(cut: &Cut, count: &Count) -> bool {
-    cut.unused_by.iter().any(|scene| count.name.starts_with(scene))
-}
-
-/// Instructions of the small scenes in the engine that lies on the bench.
-fn counted(bench: &Workbench) -> Result<Vec<Count>, String> {
+/// Instructions of the small scenes of these names in the engine that lies on the bench.
+fn counted(bench: &Workbench, scenes: &[&str]) -> Result<Vec<Count>, String> {
     let program = bench.build()?;
-    callgrind::counts(&program, &["--scenes".to_owned()])?.ok_or_else(|| callgrind::MISSING.to_owned())
+    let scenes: Vec<String> = scenes.iter().map(|&scene| scene.to_owned()).collect();
+    callgrind::counts(&program, &scenes)?.ok_or_else(|| callgrind::MISSING.to_owned())
 }
 
 fn save(rows: &[Row]) -> Result<(), String> {
-    let mut text = String::from("feature,scene that does not use it,instructions,without,per cent\n");
+    let mut text = Toolchain::here()?.heading();
+    text.push_str("feature,scene that does not use it,instructions,without,per cent\n");
     for row in rows {
         let [with, without] = row.each;
         let percent = row.percent();

@@ -1,13 +1,16 @@
 //! A copy of the engine that can be cut and built.
 
 use crate::cuts::Cut;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// Files and what stood in them.
+pub type Files = BTreeMap<PathBuf, String>;
+
 /// The copy; one place for all of its forms, so that they are compiled alike.
 pub struct Workbench {
-    engine: PathBuf,
     copy: PathBuf,
 }
 
@@ -29,11 +32,12 @@ impl Workbench {
         });
         write(&copy.join("Cargo.toml"), &alone.collect::<Vec<_>>().join("\n"))?;
         fs::copy(root.join("Cargo.lock"), copy.join("Cargo.lock")).map_err(said(root))?;
-        Ok(Self { engine, copy })
+        Ok(Self { copy })
     }
 
-    /// Takes a feature out of the copy.
-    pub fn cut(&self, cut: &Cut) -> Result<(), String> {
+    /// Takes a feature out of the copy; returns the files as they were.
+    pub fn cut(&self, cut: &Cut) -> Result<Files, String> {
+        let mut before = Files::new();
         for (file, from, to) in cut.edits {
             let path = self.copied(file);
             let text = fs::read_to_string(&path).map_err(said(&path))?;
@@ -44,18 +48,14 @@ impl Workbench {
                 ));
             }
             write(&path, &text.replace(from, to))?;
+            before.entry(path).or_insert(text);
         }
-        Ok(())
+        Ok(before)
     }
 
-    /// Puts it back.
-    pub fn restore(&self, cut: &Cut) -> Result<(), String> {
-        for (file, ..) in cut.edits {
-            let from = self.engine.join("src").join(file);
-            // Written, not copied: cargo goes by the time of the last change.
-            write(&self.copied(file), &fs::read_to_string(&from).map_err(said(&from))?)?;
-        }
-        Ok(())
+    /// Puts back what was cut.
+    pub fn restore(before: &Files) -> Result<(), String> {
+        before.iter().try_for_each(|(path, text)| write(path, text))
     }
 
     fn copied(&self, file: &str) -> PathBuf {

@@ -1,39 +1,15 @@
 //! Counts as they are kept beside this file, and what has become of them.
 
 use crate::callgrind::Count;
+use crate::toolchain::Toolchain;
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::process::Command;
 
 /// A count that grows or shrinks by more is told, %.
 ///
 /// The same compiler counts the same to the last instruction; other code in the crate moves a kernel's by less
 /// than one per cent, through what is inlined where.
 const ALLOWED_PERCENT: f64 = 3.0;
-
-/// What counts depend on beside the code.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Toolchain {
-    /// The compiler, as it names itself.
-    pub rustc: String,
-    /// What it builds for.
-    pub target: String,
-}
-
-impl Toolchain {
-    /// That of this build.
-    pub fn here() -> Result<Self, String> {
-        let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-        let output = Command::new(rustc).arg("-vV").output().map_err(|e| format!("rustc -vV: {e}"))?;
-        let text = String::from_utf8_lossy(&output.stdout);
-        let target = text.lines().find_map(|line| line.strip_prefix("host: "));
-        let rustc = text.lines().next();
-        let (Some(rustc), Some(target)) = (rustc, target) else {
-            return Err(format!("rustc -vV says nothing of its version: {text}"));
-        };
-        Ok(Self { rustc: rustc.to_owned(), target: target.to_owned() })
-    }
-}
 
 /// Counts and what they were taken with.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,8 +40,7 @@ impl Counts {
     }
 
     fn write(&self) -> String {
-        let Toolchain { rustc, target } = &self.toolchain;
-        let mut text = format!("# {rustc}\n# {target}\nwhat,times,instructions of one\n");
+        let mut text = format!("{}what,times,instructions of one\n", self.toolchain.heading());
         for Count { name, times, each } in &self.rows {
             writeln!(text, "{name},{times},{each:.1}").expect("a string takes all");
         }

@@ -15,19 +15,25 @@ mod counted;
 mod counts;
 mod kernels;
 mod scenes;
+mod toolchain;
 
-use counts::{Counts, Toolchain};
+use counts::Counts;
 use std::process::ExitCode;
+use toolchain::Toolchain;
 
 fn main() -> ExitCode {
-    let asked = |flag: &str| std::env::args().any(|a| a == flag);
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
     if counted::is_counted() {
-        if !asked("--scenes") {
+        // Beginnings of names may be given: the ablation bench asks for some scenes only.
+        let wanted =
+            |name: &str| arguments.is_empty() || arguments.iter().any(|start| name.starts_with(start));
+        if arguments.is_empty() {
             kernels::run();
         }
-        scenes::run();
+        scenes::run(wanted);
         return ExitCode::SUCCESS;
     }
+    let asked = |flag: &str| arguments.iter().any(|a| a == flag);
     match compare(asked("--check"), asked("--update")) {
         Ok(code) => code,
         Err(error) => {
