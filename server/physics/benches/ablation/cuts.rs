@@ -138,17 +138,12 @@ pub const CUTS: &[Cut] = &[
         feature: "other integrators and fixed steps",
         unused_by: UNDRIVEN,
         edits: &[
-            ("motion/body.rs", "Accuracy::Fixed(scheme, h) => {", "Accuracy::Fixed(scheme, h) if false => {"),
             (
                 "motion/body.rs",
-                "Accuracy::Tolerance(tolerance) => tolerance,",
-                "Accuracy::Tolerance(tolerance) => tolerance, Accuracy::Fixed(..) if true => unreachable!(),",
+                "Accuracy::Fixed(scheme, h) => {",
+                "Accuracy::Fixed(scheme, h) => { if true { unreachable!() }",
             ),
-            (
-                "motion/body.rs",
-                "Accuracy::Tolerance(_) | Accuracy::Fixed(Scheme::Dop853, _) => {",
-                "_ if true => {",
-            ),
+            ("motion/body.rs", "Accuracy::Tolerance(_) | Accuracy::Fixed(Scheme::Dop853, _) => {", "_ => {"),
         ],
     },
     Cut {

@@ -81,7 +81,9 @@ impl Controller {
         let arc = &mut self.arcs[ball];
         let dt = time.since(arc.start);
         self.report.negative_reaction += arc.negative_reaction(dt);
-        arc.turning.start = arc.orientation_at(dt);
+        if self.balls[ball].body.rolls {
+            arc.turning.start = arc.orientation_at(dt);
+        }
     }
 
     /// Puts a ball on a new arc, which keeps the orientation.
