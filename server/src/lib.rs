@@ -45,6 +45,7 @@ pub mod meter;
 mod network;
 pub mod parameters;
 pub mod players;
+pub mod ready;
 pub mod recording;
 pub mod report;
 pub mod scene_file;
