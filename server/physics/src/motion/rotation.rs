@@ -48,7 +48,7 @@ impl Turning {
         self.left_out = left_out;
         if turn[1..].iter().all(|c| *c == V3::zeros()) {
             // A sliding ball.
-            (self.magnus, self.pieces, self.followed) = (true, 0, (0, self.start));
+            (self.magnus, self.pieces) = (true, 0);
             return;
         }
         let (series, steps) = (series_pieces(&turn), magnus_pieces(&turn, left_out));
