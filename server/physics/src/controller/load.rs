@@ -1,7 +1,6 @@
 //! A scene is checked and its balls are set down.
 
-use super::collide::Cluster;
-use super::prepare::Ahead;
+use super::ledger::Ledger;
 use super::{Ball, Controller, Work};
 use crate::detect::ball_wall::Plane;
 use crate::detect::broad_phase::BroadPhase;
@@ -10,7 +9,6 @@ use crate::motion::arc::Arc;
 use crate::motion::body::{Body, Stepping};
 use crate::motion::law::{ROLLING, State};
 use crate::motion::together;
-use crate::resolve::impact::Scratch;
 use crate::scene::{Accuracy, BallSpec, Floor, MotionLaw, Scene, SceneFault};
 use crate::schedule::queue::Queue;
 use crate::schedule::time::Time;
@@ -39,9 +37,8 @@ impl Controller {
             controller.launch(ball, Time::ZERO, &state);
         }
         for ball in 0..controller.balls.len() {
-            controller.predict(ball);
+            controller.predict(ball, Time::ZERO);
         }
-        controller.observe();
         Ok(controller)
     }
 
@@ -74,12 +71,11 @@ impl Controller {
             balls.push(ball);
         }
         let bounds = extent(&patch);
-        let ahead = Ahead::new(order.len(), together::width(&surface, scene.accuracy));
+        let work = Work::new(order.len(), together::width(&surface, scene.accuracy));
         Ok(Self {
             broad_phase: BroadPhase::new(&radii, bounds),
             span: (bounds[2] - bounds[0]).max(bounds[3] - bounds[1]),
             queue: Queue::new(order.len()),
-            states: vec![super::BallState::default(); order.len()],
             surface,
             patch,
             certificate: *certificate,
@@ -95,11 +91,10 @@ impl Controller {
             now: Time::ZERO,
             hits: Vec::with_capacity(HITS_KEPT),
             report: Report::default(),
-            work: Work {
-                scratch: Scratch::with_room(tolerance::CLUSTER_MAX + 1),
-                cluster: Cluster::new(),
-                ahead,
-            },
+            ledger: Ledger::new(),
+            work,
+            share: None,
+            shards: None,
         })
     }
 

@@ -92,7 +92,7 @@ impl Controller {
         }
         let prepared = self.work.ahead.slot(ball).take();
         match prepared {
-            Some(next) if self.follows(&next, ball, time, state) => self.take_over(&next),
+            Some(next) if self.follows(&next, ball, time, state) => self.put_on(&next),
             other => {
                 if other.as_ref().is_some_and(|other| other.ball != ball) {
                     *self.work.ahead.slot(ball) = other;
@@ -138,7 +138,7 @@ impl Controller {
             self.launch(ball, time, state);
         } else {
             self.compute(&mut group);
-            self.take_over(&group[0]);
+            self.put_on(&group[0]);
             for next in group.drain(1..) {
                 *self.work.ahead.slot(next.ball) = Some(next);
             }
@@ -164,12 +164,12 @@ impl Controller {
     }
 
     /// Puts a ball on a prepared arc, with its own orientation.
-    fn take_over(&mut self, next: &Prepared) {
+    fn put_on(&mut self, next: &Prepared) {
         let arc = &mut self.arcs[next.ball];
         let was = (arc.stamp, arc.window_end, arc.turning.start);
         *arc = next.arc;
         (arc.stamp, arc.window_end) = (was.0, was.1);
-        arc.turning.go_on_from(was.2);
+        arc.turning.start = was.2;
         let stepping = &mut self.balls[next.ball].stepping;
         stepping.try_s = next.stepping.try_s;
         stepping.steps += next.stepping.steps;

@@ -170,7 +170,7 @@ impl Arc {
     }
 
     /// Orientation `dt` seconds after the start.
-    pub fn orientation_at(&mut self, dt: f64) -> [f64; 4] {
+    pub fn orientation_at(&self, dt: f64) -> [f64; 4] {
         self.turning.at(dt / self.scale)
     }
 

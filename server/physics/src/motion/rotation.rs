@@ -20,8 +20,8 @@ const RATE_TERMS: usize = TERMS - 1;
 /// A rate of constant direction is exact. Else theta from 0 to 1 is divided evenly into pieces, so that fast spin costs
 /// pieces here and not steps of the motion. A rate that hardly changes its direction takes Magnus steps of order 6
 /// (S. Blanes, F. Casas, J. Ros, "Improved high order integrators based on the Magnus expansion", BIT 40, 2000); where
-/// those would be many, the quaternion is summed as its own power series, of any order that the wanted error needs. What was followed is kept, so that later looks go on from there; since the pieces stand fixed,
-/// a look never changes another.
+/// those would be many, the quaternion is summed as its own power series, of any order that the wanted error needs. The pieces stand
+/// fixed, so that a look depends on its own time alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Turning {
     /// Integral of the angular velocity in powers of theta, rad; zero when sliding.
@@ -36,8 +36,6 @@ pub struct Turning {
     pub doublings: u32,
     /// Rotation that may be left out, rad.
     pub left_out: f64,
-    /// How many pieces have been followed, and the orientation there.
-    pub followed: (u32, [f64; 4]),
 }
 
 impl Turning {
@@ -49,55 +47,44 @@ impl Turning {
         magnus: false,
         doublings: 0,
         left_out: 1.0,
-        followed: (0, [0.0, 0.0, 0.0, 1.0]),
     };
 
     /// From the orientation `start` with another rate; Magnus steps in all, or each series, may leave out `left_out` rad.
     pub fn begin(&mut self, turn: [V3; TERMS], left_out: f64) {
         self.turn = turn;
         self.left_out = left_out;
+        if turn[1..].iter().all(|c| *c == V3::zeros()) {
+            // A sliding ball.
+            (self.magnus, self.pieces) = (true, 0);
+            return;
+        }
         let (series, steps) = (series_pieces(&turn), magnus_pieces(&turn, left_out));
         self.magnus = steps <= TURN_STEPS_PER_SERIES * series;
         self.pieces = if self.magnus { steps } else { series };
         let fastest: f64 = turn.iter().enumerate().map(|(k, c)| k as f64 * c.norm()).sum();
         self.doublings = doublings(fastest / f64::from(self.pieces.max(1)));
-        self.followed = (0, self.start);
-    }
-
-    /// The same course from another orientation.
-    pub fn go_on_from(&mut self, start: [f64; 4]) {
-        self.start = start;
-        self.followed = (0, start);
     }
 
     /// The orientation at `theta`.
-    pub fn at(&mut self, theta: f64) -> [f64; 4] {
+    pub fn at(&self, theta: f64) -> [f64; 4] {
         if theta == 0.0 || self.turn[1..].iter().all(|c| *c == V3::zeros()) {
             return self.start;
         }
         if self.pieces == 0 {
             return unit(compose(of_rotation_vector(along(&self.turn, theta)), self.start));
         }
-        let q = self.follow(theta);
-        unit(q)
+        unit(self.follow(theta))
     }
 
     /// The orientation at `theta`, of unit length but for the rounding of its pieces.
-    fn follow(&mut self, theta: f64) -> [f64; 4] {
+    fn follow(&self, theta: f64) -> [f64; 4] {
         let h = 1.0 / f64::from(self.pieces);
         let whole = (theta / h) as u32;
-        if whole < self.followed.0 {
-            self.followed = (0, self.start);
-        }
-        let (done, mut q) = self.followed;
-        if self.magnus {
-            q = Arch::new().dispatch(Steps { turning: self, q, pieces: done..whole });
+        let q = if self.magnus {
+            Arch::new().dispatch(Steps { turning: self, q: self.start, pieces: 0..whole })
         } else {
-            for piece in done..whole {
-                q = self.turned(q, f64::from(piece) * h, h);
-            }
-        }
-        self.followed = (whole, q);
+            (0..whole).fold(self.start, |q, piece| self.turned(q, f64::from(piece) * h, h))
+        };
         let from = f64::from(whole) * h;
         if theta > from { self.turned(q, from, theta - from) } else { q }
     }
