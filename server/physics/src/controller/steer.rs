@@ -56,12 +56,7 @@ impl Controller {
 
     fn set_off(&mut self, ball: usize, state: &State) {
         self.relaunch(ball, self.now, state);
-<<<<<<< HEAD
         self.predict(ball, self.now);
-        self.observe();
-=======
-        self.predict(ball);
->>>>>>> gas
     }
 
     /// Energy put in from outside until the controller's time, J: by pushes and held forces, by balls set anew, added and
