@@ -19,11 +19,13 @@
 //! | [`wanted`] | players' commands that wait for their ticks |
 //! | [`players`] | who drives which ball: claims, windows, dead-man |
 //! | [`tick_loop`] | a fixed rate, on a plain thread |
+//! | [`crew`] | the threads that run a large scene together |
 //! | [`meter`] | how long ticks take |
 //! | [`handover`] | from the tick thread to the publisher |
 //! | [`history`] | what of a run can be gone back to |
 //! | [`checkpoint_file`] | a run saved, to go on with later |
 //! | [`recording`] | what a run was given and what became of it, in a file; and the run again |
+//! | [`report`] | speed against error, measured and written as a page |
 //! | [`screening`] | a recording shown again, at any speed |
 //! | `network` | the only place that names Zenoh |
 //! | [`terminal`] | keys in, a few lines out, for whoever plays in a terminal |
@@ -36,6 +38,7 @@ pub mod bucket;
 pub mod change;
 pub mod checker;
 pub mod checkpoint_file;
+pub mod crew;
 pub mod features;
 pub mod handover;
 pub mod history;
@@ -44,7 +47,9 @@ pub mod meter;
 mod network;
 pub mod parameters;
 pub mod players;
+pub mod ready;
 pub mod recording;
+pub mod report;
 pub mod scene_file;
 pub mod screening;
 pub mod simulation;

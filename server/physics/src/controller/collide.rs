@@ -7,8 +7,8 @@ use crate::motion::law::{State, velocity};
 use crate::resolve::impact::{Contact, Member, hop, resolve_cluster, resolve_one};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{
-    self, CLUSTER_MAX, GATHER_RADII, HITS_KEPT, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX,
-    REST_SPEED, SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
+    self, CLUSTER_MAX, GATHER_RADII, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
+    SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
 };
 use nalgebra::Vector3;
 
@@ -192,6 +192,10 @@ impl Controller {
             self.report.rest_hits += 1;
         }
         self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });
+        for landed in &cluster.landed {
+            self.will_change(landed.ball);
+            self.reads_neighbours(landed.ball);
+        }
         if slow {
             // A slow hit does not move a ball that is held, be it hit itself or a neighbour.
             for (landed, member) in cluster.landed.iter().zip(&mut cluster.members) {
@@ -220,6 +224,7 @@ impl Controller {
         self.record(&cluster, time);
         self.count_hits(&mut cluster, time, slow);
         self.relaunch_moved(&mut cluster, time, now);
+        cluster.landed.iter().for_each(|landed| self.has_changed(landed.ball));
         self.work.cluster = cluster;
     }
 
@@ -308,8 +313,11 @@ impl Controller {
                 HitPartner::Ball(_) => self.report.collisions.ball_ball += 1,
                 HitPartner::Wall(_) => self.report.collisions.ball_wall += 1,
             }
-            if self.hits.len() >= HITS_KEPT {
-                self.report.hits_dropped += 1;
+            if !self.lists_hits_of(pair.ball) {
+                continue;
+            }
+            if self.hits_are_full() {
+                self.drop_hits(1);
                 continue;
             }
             let at = &cluster.landed[contact.a];

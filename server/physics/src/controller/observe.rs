@@ -10,13 +10,14 @@ type V3 = Vector3<f64>;
 impl Controller {
     /// A ball at the controller's time, by id: about 0.3 us on a curved floor, most of it for the orientation.
     pub fn ball(&self, ball: usize) -> BallState {
-        let b = &self.balls[ball];
-        let (state, center, normal) = self.seen(ball);
+        let at = self.holder(ball);
+        let b = &at.balls[ball];
+        let (state, center, normal) = at.seen(ball);
         let [u, v] = self.surface.uv([state[0], state[1]]);
         let w = velocity(&state);
         let (omega, orientation) = if b.body.rolls {
-            let arc = &self.arcs[ball];
-            let dt = self.time.since(arc.start).max(0.0);
+            let arc = &at.arcs[ball];
+            let dt = at.time.since(arc.start).max(0.0);
             (angular_velocity(&normal, &w, state[5], b.body.radius), arc.orientation_at(dt))
         } else {
             let angle = b.free_omega * self.time.seconds();
@@ -41,8 +42,9 @@ impl Controller {
     /// nothing changes, is left out.
     pub fn energy(&self) -> f64 {
         let of_ball = |ball: usize| {
-            let b = &self.balls[ball];
-            let (state, center, n) = self.seen(ball);
+            let at = self.holder(ball);
+            let b = &at.balls[ball];
+            let (state, center, n) = at.seen(ball);
             let (k, w) = (b.body.inertia_factor, velocity(&state));
             let mut spin = 0.0;
             if b.body.rolls {

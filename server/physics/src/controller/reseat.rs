@@ -117,6 +117,7 @@ impl Controller {
     /// in no ball, before any is moved. What follows is a function of what was set, not of what the ball did before, but
     /// for its orientation, which it keeps. The energy put in counts as steering work.
     pub fn set_balls(&mut self, seats: &[Seat]) -> Result<(), SeatFault> {
+        self.recall();
         self.now = self.now.max(self.time);
         let mut seated = seats.iter().map(|seat| self.seated(seat)).collect::<Result<Vec<_>, _>>()?;
         seated.sort_by_key(|seated| seated.ball);
@@ -137,7 +138,9 @@ impl Controller {
     /// if there is room for all of them. Held forces end.
     pub fn set_as_in(&mut self, other: &Self) -> Result<(), SeatFault> {
         let stand = other.now.max(other.time);
+        self.recall();
         let seated = |ball: usize| {
+            let other = other.holder(ball);
             let (arc, body) = (&other.arcs[ball], &other.balls[ball].body);
             let state = arc.land(body, &other.surface, other.accuracy, stand.since(arc.start).max(0.0)).0;
             Seated { ball, state, center: body.seat(&other.surface, &state).0 }
@@ -153,6 +156,7 @@ impl Controller {
         self.now = self.now.max(self.time);
         let stand = other.now.max(other.time);
         for ball in 0..self.balls.len().min(other.balls.len()) {
+            let other = other.holder(ball);
             let arc = &other.arcs[ball];
             let dt = stand.since(arc.start).max(0.0);
             let state = arc.land(&other.balls[ball].body, &other.surface, other.accuracy, dt).0;

@@ -15,6 +15,7 @@ impl Controller {
         if ball >= self.balls.len() || !delta.iter().all(|x| x.is_finite()) {
             return;
         }
+        self.recall();
         let mut state = self.cut(ball);
         let (_, n) = self.balls[ball].body.seat(&self.surface, &state);
         let before = velocity(&state);
@@ -40,6 +41,7 @@ impl Controller {
         if ball >= self.balls.len() || !finite || self.balls[ball].drive == drive {
             return;
         }
+        self.recall();
         let state = self.cut(ball);
         self.balls[ball].drive = drive;
         let applied = self.applied(ball, &state, self.time);
@@ -62,17 +64,22 @@ impl Controller {
     /// Energy put in from outside until the controller's time, J: by pushes and held forces, by balls set anew, added and
     /// removed, by a floor or a gravity changed under them. Total energy less this is constant while every hit is elastic.
     pub fn steering_work(&self) -> f64 {
-        let running: f64 = (0..self.balls.len()).map(|ball| self.work_of_force(ball, self.time)).sum();
+        let running: f64 =
+            (0..self.balls.len()).map(|ball| self.holder(ball).work_of_force(ball, self.time)).sum();
         self.report.steering_work + running
     }
 
     /// Work of the held force along the present arc until `time`, J: the force is constant on an arc.
+    #[inline]
     pub(super) fn work_of_force(&self, ball: usize, time: Time) -> f64 {
+        // Nearly all arcs end here: no force but gravity.
+        if self.balls[ball].body.applied == self.gravity { 0.0 } else { self.work_of_held_force(ball, time) }
+    }
+
+    #[cold]
+    fn work_of_held_force(&self, ball: usize, time: Time) -> f64 {
         let b = &self.balls[ball];
         let force = (b.body.applied - self.gravity) * b.mass;
-        if force == V3::zeros() {
-            return 0.0;
-        }
         let arc = &self.arcs[ball];
         force.dot(&(arc.center_at(time.since(arc.start)) - arc.center[0]))
     }

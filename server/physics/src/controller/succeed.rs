@@ -96,6 +96,7 @@ impl Controller {
     /// comes and goes with balls, floor and gravity counts as steering work. Returns how many of the balls that stay had
     /// one that leaves as their next partner: those look ahead anew, and may differ in their last bits from then on.
     pub fn go_on_as(&mut self, next: &mut Successor) -> Result<usize, SeatFault> {
+        self.undivide();
         let now = self.now.max(self.time);
         let Successor { controller, was, keeps } = next;
         (controller.time, controller.now, controller.report) = (self.time, now, self.report);

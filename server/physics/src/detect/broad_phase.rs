@@ -104,6 +104,12 @@ impl BroadPhase {
         self.cell[ball] = cell;
     }
 
+    /// Takes `ball` out: nobody finds it until it is filed again.
+    pub fn remove(&mut self, ball: usize) {
+        self.unlink(ball);
+        self.cell[ball] = NOBODY;
+    }
+
     /// Bounds that `ball` is filed under.
     pub fn bounds_of(&self, ball: usize) -> &Bounds {
         &self.bounds[ball]
@@ -140,6 +146,9 @@ impl BroadPhase {
     /// The same for other bounds than those that `ball` is filed under.
     #[inline]
     pub fn neighbours_within(&self, ball: usize, mine: &Bounds, mut visit: impl FnMut(usize)) {
+        if self.cell.len() == 1 {
+            return;
+        }
         for grid in &self.grids {
             let [(i0, i1), (j0, j1)] = [0, 1].map(|axis| {
                 let low = grid.index(axis, mine[axis] - grid.reach[axis]);

@@ -53,13 +53,14 @@ impl Shards {
         }
         let room = self.room();
         self.worn = room < self.halo / 4.0;
-        room > 0.0 && self.copies_agree()
+        let lost = self.list.iter().any(|shard| share(shard).lost);
+        room > 0.0 && !lost && self.copies_agree()
     }
 
     /// The least distance between what a shard has or owns and what is kept from it, along the axis, m.
     fn room(&self) -> f64 {
         let mut least = f64::INFINITY;
-        let mut take = |room: f64| least = if room >= least { least } else { room };
+        let mut take = |room: f64| least = least.min(room);
         for (b, theirs) in self.list.iter().map(share).enumerate() {
             take(theirs.below.below(&theirs.private));
             take(theirs.private.below(&theirs.above));

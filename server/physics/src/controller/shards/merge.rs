@@ -1,14 +1,20 @@
 //! One report and one list of hits of what several shards did, in the one order of all events.
 
-use super::share::Key;
+use super::share::Share;
 use super::{Shard, Shards};
 use crate::controller::Controller;
+use crate::schedule::time::Time;
 use crate::tolerance::HITS_KEPT;
 
-/// Calls `visit` for every place of every shard's sorted keys, first keys first.
+fn notes(shard: &Shard) -> Option<&Share> {
+    shard.0.share.as_deref()
+}
+
+/// Calls `visit` for every place of every shard's list, instant by instant and ball by ball. No two shards list the same
+/// ball.
 fn in_order(
     list: &[Shard],
-    key: impl Fn(&Shard, usize) -> Option<Key>,
+    key: impl Fn(&Shard, usize) -> Option<(Time, usize)>,
     mut visit: impl FnMut(&Shard, usize),
 ) {
     let mut places = [0; super::SHARDS_MAX];
@@ -27,11 +33,11 @@ impl Shards {
         for shard in &self.list {
             whole.report.add_counts(&shard.0.report);
             whole.now = whole.now.max(shard.0.now);
+            whole.report.hits_dropped += notes(shard).map_or(0, |notes| notes.hits_dropped);
         }
-        let share = |shard: &Shard| shard.0.share.as_ref();
         in_order(
             &self.list,
-            |shard, place| Some(*share(shard)?.hit_keys.get(place)?),
+            |shard, place| Some((*notes(shard)?.hit_times.get(place)?, shard.0.hits[place].ball)),
             |shard, place| {
                 if whole.hits.len() < HITS_KEPT {
                     whole.hits.push(shard.0.hits[place]);
@@ -40,13 +46,16 @@ impl Shards {
                 }
             },
         );
+        whole.keep_hits();
         in_order(
             &self.list,
-            |shard, place| Some(share(shard)?.bookings.get(place)?.key),
             |shard, place| {
-                if let Some(booking) = share(shard).and_then(|share| share.bookings.get(place)) {
-                    whole.report.steering_work += booking.work;
-                    whole.report.negative_reaction += booking.pulled;
+                let (time, addend) = notes(shard)?.addends.get(place)?;
+                Some((*time, addend.ball as usize))
+            },
+            |shard, place| {
+                if let Some((_, addend)) = notes(shard).and_then(|notes| notes.addends.get(place)) {
+                    whole.add_up(*addend);
                 }
             },
         );

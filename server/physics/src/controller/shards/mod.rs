@@ -147,7 +147,13 @@ impl Controller {
     /// As [`Self::advance_to`], in shards: `run` must bring every shard to the time it is given with
     /// [`Shard::advance_to`], on whatever threads, and leave the list as it was. Every bit is that of the run in one piece.
     pub fn advance_divided(&mut self, time: Time, run: &mut dyn FnMut(&mut Vec<Shard>, Time)) -> Report {
-        self.hits.clear();
+        if self.shards.is_none() {
+            return self.advance_to(time);
+        }
+        self.clear_hits();
+        if time <= self.time {
+            return Report::default();
+        }
         let before = self.report;
         while self.time < time {
             let until = self.time.after(QUANTUM).min(time);

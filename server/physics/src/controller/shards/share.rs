@@ -1,16 +1,15 @@
 //! What a shard notes while it runs: how balls were before the phase, what happened to those that others have too, and
 //! whose copies mattered.
 
-use super::super::plain::Reader;
 use super::super::Controller;
+use super::super::ledger::Addend;
+use super::super::plain::Reader;
 use crate::detect::broad_phase::Bounds;
 use crate::diagnostics::Report;
 use crate::schedule::event::{Next, What};
 use crate::schedule::time::Time;
+use crate::tolerance::HITS_KEPT;
 use std::ops::Range;
-
-/// The one order of events: time, kind, ids.
-pub(super) type Key = (Time, u8, u32, u32);
 
 /// What a ball is to a shard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,13 +42,14 @@ impl Span {
 
     /// Holds `other` too, from now on. What is not a number reaches everywhere.
     pub(super) fn take_in(&mut self, other: Self) {
-        self.low = if other.low >= self.low { self.low } else { other.low };
-        self.high = if other.high <= self.high { self.high } else { other.high };
+        self.low = if other.low.is_nan() { f64::NEG_INFINITY } else { self.low.min(other.low) };
+        self.high = if other.high.is_nan() { f64::INFINITY } else { self.high.max(other.high) };
     }
 
-    /// How far `self` lies below `other`, m; infinite if either is nowhere.
+    /// How far `self` lies below `other`, m: infinite if either is nowhere, and not at all where that is no number.
     pub(super) fn below(&self, other: &Self) -> f64 {
-        other.low - self.high
+        let room = other.low - self.high;
+        if room.is_nan() { f64::NEG_INFINITY } else { room }
     }
 }
 
@@ -61,14 +61,6 @@ pub(super) struct Entry {
     pub time: Time,
     pub span: Span,
     pub words: Range<usize>,
-}
-
-/// Addends of sums whose order counts.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Booking {
-    pub key: Key,
-    pub work: f64,
-    pub pulled: f64,
 }
 
 /// A shard's notes. The whole of a divided run has some too: who was changed in it.
@@ -95,13 +87,19 @@ pub(crate) struct Share {
     pub(super) words: Vec<u64>,
     /// For each copy, the last event that read it together with a ball of one's own.
     pub(super) needed: Vec<Time>,
-    event: Key,
+    /// The event's time.
+    event: Time,
     /// Whether the event read an own ball, and the copies it read.
     reads_own: bool,
+    reads_absent: bool,
     reads: Vec<u32>,
-    pub(super) bookings: Vec<Booking>,
-    /// The event of each hit in the controller's list.
-    pub(super) hit_keys: Vec<Key>,
+    /// Whether an own ball was to meet one that is not there.
+    pub(super) lost: bool,
+    /// Addends of the sums of the whole, with their instants, in order.
+    pub(super) addends: Vec<(Time, Addend)>,
+    /// The instant of each hit in the controller's list.
+    pub(super) hit_times: Vec<Time>,
+    pub(super) hits_dropped: u64,
 }
 
 impl Share {
@@ -123,11 +121,14 @@ impl Share {
             log: Vec::new(),
             words: Vec::new(),
             needed: vec![Time::ZERO; balls],
-            event: (Time::ZERO, 0, 0, 0),
+            event: Time::ZERO,
             reads_own: false,
+            reads_absent: false,
+            lost: false,
             reads: Vec::new(),
-            bookings: Vec::new(),
-            hit_keys: Vec::new(),
+            addends: Vec::new(),
+            hit_times: Vec::new(),
+            hits_dropped: 0,
         }
     }
 
@@ -158,8 +159,10 @@ impl Share {
         self.before.clear();
         self.log.clear();
         self.words.clear();
-        self.bookings.clear();
-        self.hit_keys.clear();
+        self.addends.clear();
+        self.hit_times.clear();
+        self.hits_dropped = 0;
+        self.lost = false;
     }
 
     /// The spans of a ball's bounds go on to hold `span`.
@@ -176,18 +179,22 @@ impl Share {
         }
     }
 
+    fn owns(&self, ball: usize) -> bool {
+        matches!(self.role[ball], Role::Private | Role::Shared)
+    }
+
     fn read(&mut self, ball: usize) {
-        if self.role[ball] > Role::Shared {
-            self.reads.push(ball as u32);
-        } else {
-            self.reads_own = true;
+        match self.role[ball] {
+            Role::Absent => self.reads_absent = true,
+            Role::Private | Role::Shared => self.reads_own = true,
+            Role::Below | Role::Above => self.reads.push(ball as u32),
         }
     }
 
     fn open_event(&mut self, ball: usize, next: &Next) {
-        self.event = next.key(ball as u32);
+        self.event = next.time;
         self.reads.clear();
-        self.reads_own = false;
+        (self.reads_own, self.reads_absent) = (false, false);
         self.read(ball);
         if let What::Ball { other, .. } = next.what {
             self.read(other as usize);
@@ -196,8 +203,9 @@ impl Share {
 
     fn close_event(&mut self) {
         if self.reads_own {
+            self.lost |= self.reads_absent;
             for ball in self.reads.drain(..) {
-                self.needed[ball as usize] = self.event.0;
+                self.needed[ball as usize] = self.event;
             }
         }
     }
@@ -207,22 +215,23 @@ impl Controller {
     /// An event in a shard. One of a copy is another shard's: it counts there.
     pub(in super::super) fn take_in_shard(&mut self, ball: usize, next: &Next) {
         let before = (self.report, self.now);
-        let (hits, mut bookings, mut own) = (self.hits.len(), 0, true);
+        let (mut own, mut absent) = (true, false);
         if let Some(share) = &mut self.share {
             share.open_event(ball, next);
-            bookings = share.bookings.len();
-            own = share.role[ball] <= Role::Shared;
+            (own, absent) = (share.owns(ball), share.reads_absent);
         }
         self.now = self.now.max(next.time);
-        self.take(ball, next);
+        if absent {
+            // A copy's partner that this shard does not have: the copy goes its own way, and is mended.
+            self.predict(ball, next.time);
+        } else {
+            self.take(ball, next);
+        }
         let Some(share) = &mut self.share else { return };
         share.close_event();
-        if own {
-            share.hit_keys.resize(self.hits.len(), share.event);
-        } else {
+        share.hit_times.resize(self.hits.len(), next.time);
+        if !own {
             (self.report, self.now) = before;
-            self.hits.truncate(hits);
-            share.bookings.truncate(bookings);
         }
     }
 
@@ -246,7 +255,8 @@ impl Controller {
             share.news[ball] = true;
             self.seeds_of(ball, &mut |word| share.before.push(word));
             if share.role[ball] >= Role::Shared {
-                self.note(&mut share, ball, share.start);
+                let start = share.start;
+                self.note(&mut share, ball, start);
             }
         }
         self.share = Some(share);
@@ -270,7 +280,8 @@ impl Controller {
     fn note_after(&mut self, mut share: Box<Share>, ball: usize) {
         share.extend(ball, Span::of(self.broad_phase.bounds_of(ball), share.axis));
         if share.role[ball] >= Role::Shared {
-            self.note(&mut share, ball, share.event.0);
+            let time = share.event;
+            self.note(&mut share, ball, time);
         }
         self.share = Some(share);
     }
@@ -286,18 +297,34 @@ impl Controller {
         }
     }
 
-    /// Adds to the sums of floating-point numbers, or notes the addends where their order is not known yet.
+    /// Whether hits whose first ball is `ball` go into the list here.
     #[inline]
-    pub(in super::super) fn book(&mut self, work: f64, pulled: f64) {
+    pub(in super::super) fn lists_hits_of(&self, ball: usize) -> bool {
+        self.share.as_ref().is_none_or(|share| share.whole || share.owns(ball))
+    }
+
+    /// Counts hits that are not listed.
+    pub(in super::super) fn drop_hits(&mut self, count: usize) {
         match &mut self.share {
             Some(share) if !share.whole => {
-                if work != 0.0 || pulled != 0.0 {
-                    share.bookings.push(Booking { key: share.event, work, pulled });
+                share.hits_dropped += count as u64;
+                share.hit_times.truncate(HITS_KEPT);
+            }
+            _ => self.report.hits_dropped += count as u64,
+        }
+    }
+
+    /// Adds to the sums, or notes the addend where others' may come first.
+    pub(in super::super) fn add_up(&mut self, addend: Addend) {
+        match &mut self.share {
+            Some(share) if !share.whole => {
+                if share.owns(addend.ball as usize) {
+                    share.addends.push((self.ledger.time, addend));
                 }
             }
             _ => {
-                self.report.steering_work += work;
-                self.report.negative_reaction += pulled;
+                self.report.steering_work += addend.work;
+                self.report.negative_reaction += addend.pulled;
             }
         }
     }
@@ -305,8 +332,9 @@ impl Controller {
     /// Begins a phase with an empty sheet.
     pub(super) fn open_phase(&mut self, start: Time) {
         self.report = Report::default();
-        self.now = start;
-        self.hits.clear();
+        // The whole knows the latest event before.
+        self.now = Time::ZERO;
+        self.clear_hits();
         if let Some(share) = &mut self.share {
             share.open_phase(start);
         }
