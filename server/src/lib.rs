@@ -25,6 +25,7 @@
 //! | [`history`] | what of a run can be gone back to |
 //! | [`checkpoint_file`] | a run saved, to go on with later |
 //! | [`recording`] | what a run was given and what became of it, in a file; and the run again |
+//! | [`report`] | speed against error, measured and written as a page |
 //! | [`screening`] | a recording shown again, at any speed |
 //! | `network` | the only place that names Zenoh |
 //! | [`terminal`] | keys in, a few lines out, for whoever plays in a terminal |
@@ -48,6 +49,7 @@ pub mod parameters;
 pub mod players;
 pub mod ready;
 pub mod recording;
+pub mod report;
 pub mod scene_file;
 pub mod screening;
 pub mod simulation;

@@ -18,6 +18,7 @@ mod parameters;
 mod play;
 mod players;
 mod replay;
+mod report;
 mod resume;
 mod serve;
 mod sight;
@@ -86,6 +87,7 @@ enum Subcommands {
     Simulate(simulate::Simulate),
     Replay(replay::Replay),
     Hardcases(hardcases::Hardcases),
+    Report(report::Report),
     Completions(completions::Completions),
 }
 
@@ -130,6 +132,7 @@ pub fn main() -> ExitCode {
         Subcommands::Simulate(simulate) => simulate.run(),
         Subcommands::Replay(replay) => replay.run(),
         Subcommands::Hardcases(hardcases) => hardcases.run(),
+        Subcommands::Report(report) => report.run(),
         Subcommands::Completions(completions) => completions.run(),
     };
     done.map_or_else(|error| exit::code_of(&error), |()| ExitCode::SUCCESS)

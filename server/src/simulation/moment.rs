@@ -103,6 +103,7 @@ impl Simulation {
             world,
             present: _,
             controller: _,
+            crew: _,
             tick_rate_hz,
             epoch: _,
             tick: _,

@@ -47,7 +47,7 @@ pub fn hold(loaded: &LoadedScene, start: &Controller, script: &[Act]) -> Result<
         let deeds = || script.iter().filter(|act| act.beat == beat);
         driven |= deeds().any(|act| matches!(act.deed, Deed::Drive { .. }));
         // A push gives momentum of its own.
-        was.momentum = laws.momentum(engine);
+        was.momentum = laws.momentum(&engine);
         let mut hits = vec![];
         let before = engine.report();
         for tick in 1..=2 {

@@ -87,7 +87,7 @@ pub fn hold_in_a_mirror(loaded: &LoadedScene, start: &Controller, script: &[Act]
         advance(&mut image, beat, 30);
         // 0 and -0 are one number.
         let mut pairs = engine.balls().zip(image.balls());
-        if let Some(id) = pairs.position(|(ball, seen)| mirrored_state(ball) != *seen) {
+        if let Some(id) = pairs.position(|(ball, seen)| mirrored_state(&ball) != seen) {
             return Err(format!("in a mirror, ball {id} differs after beat {beat}"));
         }
     }
