@@ -1,7 +1,7 @@
 //! A whole report of two scenes, read back.
 
-use super::subject::{Subject, seconds, tick};
-use super::{Options, Page, ReportError, sections};
+use super::subject::{Subject, centers, seconds, tick};
+use super::{Options, Page, ReportError, chapters, hard_cases, sections};
 use ballroom_physics::{Accuracy, Controller, Scene, Scheme};
 use serde_json::Value;
 use std::fs::read_to_string;
@@ -25,7 +25,16 @@ fn report() -> &'static tempfile::TempDir {
         std::fs::write(&mine, include_str!("../../scenes/saddle.toml")).unwrap();
         let options = options(&folder.path().join("out"), &["bicubic", mine.to_str().unwrap()]);
         let mut page = Page::begin(&options).unwrap();
-        page.add(sections(&options, &mut |_| {}).unwrap());
+        page.add(chapters(&options, &mut |_| {}).unwrap());
+        let cases = ballroom_cases::select(&["B0/sliding".to_owned()]).unwrap();
+        let results: Vec<_> = cases
+            .into_iter()
+            .map(|case| {
+                let rows = case.run().unwrap();
+                (case, rows)
+            })
+            .collect();
+        page.add([hard_cases::section(&options, &results)]);
         assert_eq!(page.write().unwrap(), options.out.join("index.html"));
         folder
     })
@@ -116,7 +125,7 @@ fn an_error_and_an_order_in_the_report_are_those_of_a_run_made_by_hand() {
         let distance = |n| {
             truth.advance_to(tick(n));
             run.advance_to(tick(n));
-            (truth.balls()[0].center - run.balls()[0].center).norm()
+            (centers(&truth).next().unwrap() - centers(&run).next().unwrap()).norm()
         };
         (0..=span).map(distance).fold(0.0, f64::max)
     };
@@ -131,6 +140,17 @@ fn an_error_and_an_order_in_the_report_are_those_of_a_run_made_by_hand() {
         orders.iter().find(|order| order["scheme"] == "rk4" && order["steps_s"][0] == 1.0 / 32.0).unwrap();
     assert_eq!(order["order"].as_f64(), Some((coarse / fine).ln() / 4.0_f64.ln()));
     assert!((order["order"].as_f64().unwrap() - 4.0).abs() < 0.5, "{order}");
+}
+
+#[test]
+fn the_table_of_hard_cases_has_a_row_a_demand() {
+    let (json, rows) = (json(), csv("hard_cases.csv"));
+    assert!(!rows.is_empty());
+    assert_eq!(json["sections"]["hard-cases"]["demands"].as_u64(), Some(rows.len() as u64));
+    for row in rows {
+        let [demanded, measured] = ["demanded", "measured"].map(|column| row[column].parse::<f64>().unwrap());
+        assert_eq!(row["met"] == "true", measured <= demanded, "{row:?}");
+    }
 }
 
 #[test]

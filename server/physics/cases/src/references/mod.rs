@@ -17,6 +17,7 @@ use compare::{Ground, Reference, Start};
 use floors::Chart;
 
 pub use compare::angle_between;
+pub use table::{RATE_HZ, SECONDS, Seen, Table};
 
 const SLIDING: f64 = 0.0;
 const ALL: &[Chart] = &[Chart::Plain, Chart::Net, Chart::Bent, Chart::Leaning];
@@ -188,6 +189,13 @@ fn with_hits() -> Vec<Reference> {
             )
         },
     ]
+}
+
+/// The scene of a reference and what its file says, by its name.
+pub fn named(name: &str) -> Option<(Scene, Table)> {
+    let all = [with_symmetry(), without_symmetry(), saddles_and_steep(), with_hits()];
+    let reference = all.into_iter().flatten().find(|reference| reference.name == name)?;
+    Some((reference.scene(Chart::Plain), Table::read(reference.text)))
 }
 
 /// The largest error of a centre beside any reference without hits, m.
