@@ -1,14 +1,16 @@
 //! One world being run and served: simulation, inbox, tick loop and its place on the network.
 
+use crate::crew::{Crew, all_cores};
 use crate::handover::Handover;
 use crate::history::{Archive, DEFAULT_HISTORY_BYTES, Plan, Settings};
 use crate::inbox::{Inbox, Request};
 use crate::network::{Latest, Link, Network, NetworkError};
+use crate::ready::Ready;
 use crate::recording::{RecordOptions, Recorder, RecordingError, Tape};
 use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
 use crate::tick_loop::TickLoop;
-use crate::workshop::{Bench, Ready};
+use crate::workshop::Bench;
 use ballroom_client::Setting;
 pub use protocol::arenas::TICK_RATES_HZ;
 use protocol::command::{Command, Refusal};
@@ -27,6 +29,8 @@ pub struct ArenaOptions {
     pub arena: Name,
     /// Ticks a simulated second, 1 to 1000.
     pub tick_rate_hz: u32,
+    /// Threads that a large scene is run on, at least 1. They change no bit.
+    pub threads: usize,
     /// Whether to begin with the clock standing.
     pub paused: bool,
     /// What to record, if anything.
@@ -57,6 +61,7 @@ impl Default for ArenaOptions {
         Self {
             arena: DEFAULT_ARENA.parse().expect("a valid name"),
             tick_rate_hz: 60,
+            threads: all_cores(),
             paused: false,
             record: None,
             history_bytes: DEFAULT_HISTORY_BYTES,
@@ -118,7 +123,8 @@ impl Arena {
         if !TICK_RATES_HZ.contains(&options.tick_rate_hz) {
             return Err(ArenaError::Rate(options.tick_rate_hz));
         }
-        Ok(Simulation::new(Arc::new(scene.load()?), options.tick_rate_hz, first_epoch())?)
+        let simulation = Simulation::new(Arc::new(scene.load()?), options.tick_rate_hz, first_epoch())?;
+        Ok(simulation.run_by(Crew::of(options.threads)?))
     }
 
     fn run(simulation: Simulation, options: &ArenaOptions, link: &Link) -> Result<ArenaHandle, ArenaError> {

@@ -19,6 +19,7 @@
 //! | [`wanted`] | players' commands that wait for their ticks |
 //! | [`players`] | who drives which ball: claims, windows, dead-man |
 //! | [`tick_loop`] | a fixed rate, on a plain thread |
+//! | [`crew`] | the threads that run a large scene together |
 //! | [`meter`] | how long ticks take |
 //! | [`handover`] | from the tick thread to the publisher |
 //! | [`history`] | what of a run can be gone back to |
@@ -37,6 +38,7 @@ pub mod bucket;
 pub mod change;
 pub mod checker;
 pub mod checkpoint_file;
+pub mod crew;
 pub mod features;
 pub mod handover;
 pub mod history;
@@ -45,6 +47,7 @@ pub mod meter;
 mod network;
 pub mod parameters;
 pub mod players;
+pub mod ready;
 pub mod recording;
 pub mod report;
 pub mod scene_file;

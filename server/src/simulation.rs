@@ -6,6 +6,7 @@ mod moment;
 pub use moment::{Ground, Moment};
 
 use crate::change::{Change, meant};
+use crate::crew::Crew;
 use crate::scene_file::{LoadedScene, SceneError};
 use crate::world::{Present, World};
 use ballroom_physics::{Controller, Drive, Hit, Seat, Time};
@@ -41,6 +42,7 @@ pub struct Simulation {
     /// The same for others to see.
     present: Arc<Present>,
     controller: Controller,
+    crew: Crew,
     tick_rate_hz: u32,
     epoch: u64,
     tick: u64,
@@ -59,12 +61,19 @@ impl Simulation {
             present: Arc::new(Present::new(world.clone())),
             world,
             controller,
+            crew: Crew::default(),
             tick_rate_hz,
             epoch,
             tick: 0,
             energy_at_start,
             held: BTreeMap::new(),
         })
+    }
+
+    /// Runs on the threads of `crew` from now on, as far as the scene is large enough for them. They change no bit.
+    #[must_use]
+    pub fn run_by(self, crew: Crew) -> Self {
+        Self { crew, ..self }
     }
 
     /// The same scene from its start or from a part of it; as the next epoch, unless the clock goes on. What was spawned is
@@ -127,13 +136,14 @@ impl Simulation {
     }
 
     fn center_m(&self, ball: usize) -> [f64; 2] {
-        self.controller.balls()[ball].center.xy().into()
+        self.controller.ball(ball).center.xy().into()
     }
 
     /// Goes on as `next` from its start, as the next epoch; what was goes there.
     pub fn give_way_to(&mut self, next: &mut Self) {
         next.epoch = self.epoch + 1;
         std::mem::swap(self, next);
+        std::mem::swap(&mut self.crew, &mut next.crew);
         // Who looks for the present world goes on looking here.
         std::mem::swap(&mut self.present, &mut next.present);
         self.present.set(self.world.clone());
@@ -170,7 +180,7 @@ impl Simulation {
     pub fn advance(&mut self) {
         self.tick += 1;
         // The drive acts up to the tick that ends it.
-        self.controller.advance_to(Time::of_tick(self.tick, self.tick_rate_hz));
+        self.crew.advance(&mut self.controller, Time::of_tick(self.tick, self.tick_rate_hz));
         while let Some((&ball, _)) = self.held.iter().find(|&(_, &until)| until <= self.tick) {
             self.release(ball);
         }
@@ -182,7 +192,7 @@ impl Simulation {
         while !self.held.is_empty() && Time::of_tick(self.tick + 1, self.tick_rate_hz) <= time {
             self.advance();
         }
-        self.controller.advance_to(time);
+        self.crew.advance(&mut self.controller, time);
         while Time::of_tick(self.tick + 1, self.tick_rate_hz) <= time {
             self.tick += 1;
         }
@@ -254,12 +264,18 @@ impl Simulation {
         out.steering_work_j = self.controller.steering_work();
         out.collisions = collisions(report.collisions);
         out.state_hash = self.controller.state_hash();
-        let balls = self.controller.balls();
-        refill(&mut out.uv, balls.iter().map(|b| b.uv.into()));
-        refill(&mut out.center_m, balls.iter().map(|b| b.center.into()));
-        refill(&mut out.velocity_m_per_s, balls.iter().map(|b| b.velocity.into()));
-        refill(&mut out.omega_rad_per_s, balls.iter().map(|b| b.omega.into()));
-        refill(&mut out.orientation_xyzw, balls.iter().map(|b| b.orientation));
+        for list in [&mut out.center_m, &mut out.velocity_m_per_s, &mut out.omega_rad_per_s] {
+            list.clear();
+        }
+        out.uv.clear();
+        out.orientation_xyzw.clear();
+        for ball in self.controller.balls() {
+            out.uv.push(ball.uv.into());
+            out.center_m.push(ball.center.into());
+            out.velocity_m_per_s.push(ball.velocity.into());
+            out.omega_rad_per_s.push(ball.omega.into());
+            out.orientation_xyzw.push(ball.orientation);
+        }
     }
 
     /// What the engine counts, into the statistics.
@@ -326,11 +342,6 @@ impl Simulation {
     pub const fn tick_rate_hz(&self) -> u32 {
         self.tick_rate_hz
     }
-}
-
-fn refill<T>(out: &mut Vec<T>, items: impl Iterator<Item = T>) {
-    out.clear();
-    out.extend(items);
 }
 
 const fn collisions(from: ballroom_physics::Collisions) -> Collisions {

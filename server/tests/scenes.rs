@@ -26,7 +26,7 @@ impl Watched {
     }
 
     fn ball(&self, name: &str) -> BallState {
-        self.engine.balls()[self.id(name)]
+        self.engine.ball(self.id(name))
     }
 
     fn step(&mut self) {
@@ -54,7 +54,7 @@ fn on_the_saddle_nobody_leaves_the_ridge_line_by_a_bit() {
     let mut saddle = Watched::open("saddle");
     for _ in 0..60 {
         saddle.run(1);
-        assert!(saddle.engine.balls().iter().all(|ball| ball.center.y == 0.0));
+        assert!(saddle.engine.balls().all(|ball| ball.center.y == 0.0));
     }
     assert!(saddle.engine.report().collisions.ball_ball > 40);
 }
@@ -139,7 +139,7 @@ fn the_bullet_meets_the_pin_on_its_first_pass_and_nothing_leaves_the_room() {
     assert_eq!((first.ball, first.partner), (pin.min(shot), HitPartner::Ball(pin.max(shot))));
     for _ in 0..600 {
         room.step();
-        assert!(room.engine.balls().iter().all(|b| b.center.x.abs() < 1.0 && b.center.y.abs() < 0.5));
+        assert!(room.engine.balls().all(|b| b.center.x.abs() < 1.0 && b.center.y.abs() < 0.5));
     }
 }
 

@@ -4,7 +4,7 @@ use crate::palette;
 use crate::recording::Recording;
 use protocol::event::Event;
 use protocol::snapshot::{Roster, Snapshot};
-use rerun::{Points3D, RecordingStreamResult};
+use rerun::{LineStrips3D, Radius, RecordingStreamResult};
 use std::collections::VecDeque;
 
 /// Entity of the flashes.
@@ -14,6 +14,10 @@ pub const HITS: &str = "world/hits";
 const FLASH_S: f64 = 0.35;
 /// Flashes at one time; further hits push the oldest out, they are counted in the plots all the same.
 pub const MAX_FLASHES: usize = 256;
+/// Strokes of a flash, through its middle: a star, which nobody takes for a ball.
+const STROKES: [[f32; 3]; 4] = [[1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [-1.0, 1.0, 1.0], [-1.0, -1.0, 1.0]];
+/// Width of a stroke, points of the screen.
+const STROKE_POINTS: f32 = 1.5;
 const YOUNG: [u8; 3] = [255, 250, 220];
 const OLD: [u8; 3] = [255, 96, 32];
 
@@ -56,7 +60,7 @@ impl HitView {
     pub fn clear(&mut self, rec: &Recording) -> RecordingStreamResult<()> {
         self.flashes.clear();
         self.shown = false;
-        rec.log(HITS, &Points3D::new(Vec::<[f32; 3]>::new()))
+        rec.log(HITS, &LineStrips3D::new(Vec::<Vec<[f32; 3]>>::new()))
     }
 
     /// Logs the flashes of this moment; nothing while there are none.
@@ -68,12 +72,18 @@ impl HitView {
         self.shown = !self.flashes.is_empty();
         // A hit may be heard of before the state that shows it: its age is then 0, not negative.
         let age = |flash: &Flash| ((state.time_s - flash.time_s) / FLASH_S).clamp(0.0, 1.0);
-        let points = Points3D::new(self.flashes.iter().map(|flash| flash.point))
-            .with_radii(self.flashes.iter().map(|flash| (flash.radius_m * (1.0 - age(flash)).sqrt()) as f32))
-            .with_colors(
-                self.flashes.iter().map(|flash| palette::color(palette::between(YOUNG, OLD, age(flash)))),
-            );
-        rec.log(HITS, &points)
+        let stars = self.flashes.iter().flat_map(|flash| {
+            let reach = (flash.radius_m * (1.0 - age(flash)).sqrt()) as f32;
+            STROKES.map(|stroke| {
+                [-1.0, 1.0]
+                    .map(|side| std::array::from_fn(|axis| flash.point[axis] + side * reach * stroke[axis]))
+            })
+        });
+        let color = |flash: &Flash| palette::color(palette::between(YOUNG, OLD, age(flash)));
+        let strokes = LineStrips3D::new(stars.map(|ends: [[f32; 3]; 2]| ends.to_vec()))
+            .with_radii([Radius::new_ui_points(STROKE_POINTS)])
+            .with_colors(self.flashes.iter().flat_map(|flash| [color(flash); STROKES.len()]));
+        rec.log(HITS, &strokes)
     }
 }
 

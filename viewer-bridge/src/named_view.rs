@@ -11,7 +11,7 @@ use std::str::FromStr;
 const EYE_DIRECTION: [f64; 3] = [0.42, -0.80, 0.72];
 /// Distance of the eye in diagonals of the box: all of it is seen in a view that is a little wider than high.
 const EYE_DISTANCE: f64 = 0.87;
-/// The eye looks in front of the middle by this part of the diagonal, for what is near takes up more of the view.
+/// The eye looks in front of the middle by this part of the floor's diagonal, for what is near takes up more of the view.
 const LOOK_NEARER: f64 = 0.075;
 /// Distance of an eye that looks straight at a side of the box, in lengths of that side.
 const STRAIGHT_DISTANCE: f64 = 1.1;
@@ -174,7 +174,9 @@ impl NamedView {
 fn corner(extent: Extent) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
     let direction = Vector3::from(EYE_DIRECTION).normalize();
     let middle = Vector3::from(extent.middle());
-    let nearer = Vector3::new(direction.x, direction.y, 0.0) * (LOOK_NEARER * extent.diagonal_m());
+    // Of the floor alone: a net that reaches far up and down would be looked past.
+    let across = f64::hypot(extent.highest[0] - extent.lowest[0], extent.highest[1] - extent.lowest[1]);
+    let nearer = Vector3::new(direction.x, direction.y, 0.0) * (LOOK_NEARER * across);
     (middle + direction * (EYE_DISTANCE * extent.diagonal_m()), middle + nearer, Vector3::z())
 }
 

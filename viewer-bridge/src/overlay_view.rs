@@ -29,6 +29,9 @@ const WEIGHT_RADII: f64 = 3.0;
 /// Longest reaction that is drawn in full, in weights.
 const MAX_WEIGHTS: f64 = 8.0;
 
+/// Most names written over balls: in a rack or a crowd they would hide what they name.
+const MAX_NAMES: usize = 8;
+
 /// Overlays of the chosen balls.
 pub struct OverlayView {
     balls: Vec<usize>,
@@ -41,7 +44,10 @@ impl OverlayView {
     /// Overlays for these balls.
     pub fn of(mechanics: Mechanics, gravity_m_per_s2: [f64; 3], roster: &Roster, balls: Vec<usize>) -> Self {
         let named = |ball: &usize| (*ball, roster.names[*ball].clone());
-        let unsteered = balls.iter().filter(|ball| !roster.player[**ball]).map(named).collect();
+        let mut unsteered: Vec<_> = balls.iter().filter(|ball| !roster.player[**ball]).map(named).collect();
+        if unsteered.len() > MAX_NAMES {
+            unsteered.clear();
+        }
         Self { balls, unsteered, mechanics, gravity: Vector3::from(gravity_m_per_s2).norm() }
     }
 

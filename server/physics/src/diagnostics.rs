@@ -63,6 +63,21 @@ pub struct Report {
 }
 
 impl Report {
+    /// Adds what can be added in any order: counts, and the deepest penetration. Sums whose bits depend on the order of their
+    /// addends stay.
+    pub(crate) fn add_counts(&mut self, other: &Self) {
+        self.collisions.ball_ball += other.collisions.ball_ball;
+        self.collisions.ball_wall += other.collisions.ball_wall;
+        self.deepest_penetration = self.deepest_penetration.max(other.deepest_penetration);
+        self.rest_hits += other.rest_hits;
+        self.clusters += other.clusters;
+        self.fallbacks += other.fallbacks;
+        self.steps += other.steps;
+        self.pairs[0] += other.pairs[0];
+        self.pairs[1] += other.pairs[1];
+        self.hits_dropped += other.hits_dropped;
+    }
+
     /// What happened since `before`, a report of the same controller. The deepest penetration stays that of the
     /// whole run.
     #[must_use]

@@ -14,7 +14,9 @@
 pub mod controller;
 pub mod detect;
 pub mod diagnostics;
+mod lanes;
 pub mod motion;
+pub mod number;
 pub mod resolve;
 pub mod scene;
 pub mod schedule;
@@ -22,7 +24,9 @@ pub mod surface;
 pub mod tolerance;
 
 pub use controller::checkpoint::{Checkpoint, CheckpointFault};
-pub use controller::{BallState, Controller, Drive, Seat, SeatFault, Spot, Successor};
+pub use controller::{
+    BallState, Controller, Division, Drive, SHARDS_MAX, Seat, SeatFault, Shard, Spot, Successor,
+};
 pub use diagnostics::{Collisions, Hit, HitPartner, Report};
 pub use scene::{Accuracy, BallSpec, Floor, HIT_BUDGET, MotionLaw, Place, Scene, SceneFault, Scheme, Wall};
 pub use schedule::time::Time;

@@ -2,6 +2,7 @@
 
 use ballroom_cases::UnknownCase;
 use ballroom_client::ClientError;
+use server::report::ReportError;
 use server::{ArenaError, SceneError};
 use std::io::ErrorKind;
 use std::process::ExitCode;
@@ -22,8 +23,9 @@ pub fn code_of(error: &anyhow::Error) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     eprintln!("ballroom: {error:#}");
-    let is_scene =
-        error.is::<SceneError>() || matches!(error.downcast_ref::<ArenaError>(), Some(ArenaError::Scene(_)));
+    let is_scene = error.is::<SceneError>()
+        || matches!(error.downcast_ref::<ArenaError>(), Some(ArenaError::Scene(_)))
+        || matches!(error.downcast_ref::<ReportError>(), Some(ReportError::Scene(_)));
     if error.downcast_ref::<ClientError>().is_some_and(ClientError::is_no_server) {
         ExitCode::from(3)
     } else if error.is::<UnknownCase>()

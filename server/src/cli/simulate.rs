@@ -8,6 +8,7 @@ use ballroom_physics::Time;
 use indicatif::{ProgressBar, ProgressStyle};
 use protocol::snapshot::Snapshot;
 use server::checkpoint_file;
+use server::crew::{Crew, all_cores};
 use server::simulation::Simulation;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -45,6 +46,9 @@ pub struct Simulate {
     /// Ticks a simulated second, for the tick numbers
     #[arg(long, value_name = "HZ", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rate: u32,
+    /// Threads for a large scene [default: all cores]; they change no bit
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: Option<u32>,
     /// Keep the end of the run in a new file, to go on from later
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
@@ -58,6 +62,7 @@ pub struct Simulate {
 impl Simulate {
     pub fn run(self) -> anyhow::Result<()> {
         let loaded = Arc::new(self.count.open(&self.scene)?.load()?);
+        let crew = Crew::of(self.threads.map_or_else(all_cores, |threads| threads as usize))?;
         let mut simulation = Simulation::new(loaded, self.rate, 0)?;
         if let Some(file) = self.save.as_ref().filter(|file| file.exists()) {
             anyhow::bail!("{} is there already: name a new file to save to", file.display());
@@ -65,6 +70,7 @@ impl Simulate {
         if let Some(file) = &self.load {
             checkpoint_file::load(&mut simulation, file)?;
         }
+        let mut simulation = simulation.run_by(crew);
         let abort = abort_on_signal()?;
         let bar = progress_bar();
         let mut lines = Lines::new(self.format)?;

@@ -1,6 +1,7 @@
 //! All that is said of one scene.
 
 use super::horizon::Horizon;
+use super::numbers::plain;
 use super::reference::Reference;
 use super::section::Section;
 use super::subject::{RATE_HZ, Subject, words};
@@ -34,7 +35,10 @@ pub fn measure(
     let balls = if subject.balls() == 1 { "ball" } else { "balls" };
     let page = html! {
         p { (subject.description()) }
-        p { (subject.balls()) " " (balls) ", own setting " (words(subject.own())) "." }
+        p {
+            (subject.balls()) " " (balls) ", own setting " (words(subject.own())) ", "
+            (plain(phases.hits_per_second())) " hits a simulated second."
+        }
         h3 { "Work and precision" }
         (work_html)
         h3 { "How long an error has a meaning" }
@@ -57,9 +61,17 @@ pub fn measure(
     };
     section.summary = summary.into_string();
     section.html = page.into_string();
-    section.tables =
-        vec![work.table(subject), horizon.table(subject, &truth), orders::rows(subject, &observed)];
-    section.pictures = vec![(format!("{}_work_precision", subject.id()), work_svg)];
+    section.tables = vec![
+        work.table(subject),
+        horizon.table(subject, &truth),
+        orders::rows(subject, &observed),
+        energy::rows(subject, &drifts),
+        phases.rows(subject),
+    ];
+    section.tables.extend(ticks.tables(subject));
+    section.tables.extend(crowds.iter().map(|crowds| crowds.rows(subject)));
+    section.pictures =
+        work_svg.into_iter().map(|svg| (format!("{}_work_precision", subject.id()), svg)).collect();
     section.json = json!({
         "scene": subject.name,
         "balls": subject.balls(),
@@ -81,7 +93,7 @@ fn span(subject: &Subject, options: &Options) -> usize {
     let seconds = match subject.balls() {
         0..100 => SPAN_S,
         100..3000 if options.quick => SPAN_S / 5,
-        100..3000 => SPAN_S / 2,
+        100..3000 => 3 * SPAN_S / 10,
         _ => 1,
     };
     seconds * RATE_HZ as usize

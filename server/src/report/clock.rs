@@ -64,7 +64,7 @@ mod tests {
             },
             |numbers| {
                 assert!(numbers.iter().all(|&n| n == 0), "each run has its own");
-                numbers.iter_mut().for_each(|n| *n = black_box(1));
+                numbers.fill(black_box(1));
             },
         );
         assert_eq!(made, cost.repetitions);

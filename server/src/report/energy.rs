@@ -46,17 +46,16 @@ fn drift(subject: &Subject, setting: Accuracy, own: bool, span: f64) -> Result<D
         liveliest = liveliest.max(kinetic(subject, &run));
         points.push([run.time().seconds(), (run.energy() - begin).abs()]);
     }
-    points.iter_mut().for_each(|point| point[1] /= liveliest);
+    for point in &mut points {
+        point[1] /= liveliest;
+    }
     Ok(Drift { setting, own, points })
 }
 
 /// Kinetic energy, J: the whole without that of height.
 fn kinetic(subject: &Subject, run: &Controller) -> f64 {
     let scene = subject.scene();
-    let heights = run
-        .balls()
-        .iter()
-        .zip(run.scene_index())
+    let heights = std::iter::zip(run.balls(), run.scene_index())
         .map(|(ball, &place)| scene.balls[place].mass * scene.gravity.dot(&ball.center));
     run.energy() + heights.sum::<f64>()
 }
@@ -66,7 +65,6 @@ fn span_s(subject: &Subject, options: &Options) -> f64 {
     match (subject.balls(), options.quick) {
         (0..100, true) => 60.0,
         (0..100, false) => 600.0,
-        (100..3000, true) => 2.0,
         (100..3000, false) => 20.0,
         _ => 2.0,
     }

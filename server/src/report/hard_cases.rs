@@ -35,7 +35,7 @@ fn family(case: &Case) -> &str {
     case.id.split_once('/').map_or(case.id.as_str(), |(family, _)| family)
 }
 
-fn section(options: &Options, results: &[(Case, Vec<Row>)]) -> Section {
+pub(super) fn section(options: &Options, results: &[(Case, Vec<Row>)]) -> Section {
     let mut table_of_all = Table::new(
         "hard_cases",
         &["case", "title", "quantity", "unit", "norm", "span", "demanded", "measured", "met"],

@@ -25,7 +25,7 @@ impl Horizon {
     /// Follows the scene's own setting for as long as there is something to compare it with.
     pub fn measure(subject: &Subject, truth: &Reference) -> Result<Self, ReportError> {
         let own = truth.errors(&mut subject.start(subject.own())?, truth.ticks());
-        let own_lost = own.iter().position(|&error| !(error <= truth.lost_m));
+        let own_lost = own.iter().position(|&error| error.is_nan() || error > truth.lost_m);
         Ok(Self { own, own_lost })
     }
 

@@ -71,15 +71,15 @@ pub type Progress<'a> = dyn FnMut(&str) + 'a;
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// A scene cannot be run.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
+    #[error("{0}")]
+    Scene(Box<SceneError>),
     /// A scene that was taken is refused with another accuracy or other balls.
     #[error("{scene}: {fault}")]
     Variant {
         /// Which one.
         scene: String,
         /// Why.
-        fault: SceneFault,
+        fault: Box<SceneFault>,
     },
     /// The folder holds something else.
     #[error("{} is there already and is no report: name another folder with --out", .0.display())]
@@ -103,14 +103,37 @@ pub enum ReportError {
 /// What is measured when no scene is named.
 const USUAL: [&str; 4] = ["bicubic", "bowl", "break", "gas:1000"];
 
+impl From<SceneError> for ReportError {
+    fn from(fault: SceneError) -> Self {
+        Self::Scene(Box::new(fault))
+    }
+}
+
 /// Every section that needs no more than the engine: measures all of it, which takes minutes.
 pub fn sections(options: &Options, progress: &mut Progress<'_>) -> Result<Vec<Section>, ReportError> {
+    let mut sections = chapters(options, progress)?;
+    sections.push(hard_cases::measure(options, progress));
+    Ok(sections)
+}
+
+/// A section a scene.
+pub fn chapters(options: &Options, progress: &mut Progress<'_>) -> Result<Vec<Section>, ReportError> {
     let usual = USUAL.map(str::to_owned);
     let asked = if options.scenes.is_empty() { &usual[..] } else { &options.scenes[..] };
     // All of them first, so that a slip of the pen is told before anything is measured.
     let subjects = asked.iter().map(|name| Subject::open(name)).collect::<Result<Vec<_>, _>>()?;
-    let chapters = subjects.iter().map(|subject| chapter::measure(subject, options, progress));
-    let mut sections = chapters.collect::<Result<Vec<_>, _>>()?;
-    sections.push(hard_cases::measure(options, progress));
-    Ok(sections)
+    let mut chapters: Vec<Section> = Vec::new();
+    for subject in &subjects {
+        let mut chapter = chapter::measure(subject, options, progress)?;
+        let same =
+            chapters.iter().filter(|known| known.title == chapter.title || known.id == chapter.id).count();
+        if same > 0 {
+            chapter.id = format!("{}-{}", chapter.id, same + 1);
+        }
+        chapters.push(chapter);
+    }
+    Ok(chapters)
 }
+
+#[cfg(test)]
+mod tests;

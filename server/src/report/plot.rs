@@ -4,7 +4,7 @@
 //! knows the colours by their numbers and gives them others in the dark.
 
 use super::ReportError;
-use super::numbers::{plain, power_of_ten};
+use super::numbers::power_of_ten;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
@@ -12,9 +12,12 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
 
 /// Size in units of its own; a page shows it at half of that or so.
-const SIZE: (u32, u32) = (1440, 880);
+const SIZE: (u32, u32) = (1440, HEIGHT as u32);
+const HEIGHT: i32 = 880;
 /// Height of letters.
 const LETTERS: i32 = 25;
+/// Room below the curves for numbers.
+const LABELS: i32 = 84;
 /// Room to the right of the curves for their names.
 const NAMES: u32 = 270;
 
@@ -141,10 +144,7 @@ impl Axis {
         let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         match self.scale {
             _ if low > high => 1.0..10.0,
-            Scale::Log => {
-                let (low, high) = ((low * 0.8).log10().floor(), (high * 1.25).log10().ceil());
-                10_f64.powi(low as i32)..10_f64.powi(high as i32)
-            }
+            Scale::Log => low_mark(low * 0.9)..high_mark(high * 1.1),
             Scale::Linear => {
                 let room = if high > low { 0.04 * (high - low) } else { 0.5 * low.abs().max(1.0) };
                 (if low >= 0.0 && low < 0.3 * high { 0.0 } else { low - room })..high + room
@@ -155,7 +155,7 @@ impl Axis {
     fn tick(&self, x: f64) -> String {
         match self.scale {
             Scale::Log => power_of_ten(x.log10().round() as i32),
-            Scale::Linear => plain((x * 1e9).round() / 1e9),
+            Scale::Linear => format!("{}", (x * 1e9).round() / 1e9),
         }
     }
 }
@@ -185,7 +185,9 @@ impl Plot {
         let svg = svg.trim();
         let size = format!("width=\"{}\" height=\"{}\" ", SIZE.0, SIZE.1);
         let title = maud::html! { (self.title) }.into_string();
-        Ok(svg.replacen(&size, &format!("role=\"img\" aria-label=\"{title}\" "), 1))
+        let svg = svg.replacen(&size, &format!("role=\"img\" aria-label=\"{title}\" "), 1);
+        // Read alone, as a file, it has no page behind it.
+        Ok(svg.replacen(">\n", ">\n<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>\n", 1))
     }
 
     fn draw<X, Y>(
@@ -203,7 +205,7 @@ impl Plot {
         let mut chart = ChartBuilder::on(root)
             .margin_top(24)
             .margin_right(NAMES)
-            .x_label_area_size(84)
+            .x_label_area_size(LABELS)
             .y_label_area_size(118)
             .build_cartesian_2d(x, y)?;
         let letters = (FONT, LETTERS).into_font();
@@ -221,7 +223,7 @@ impl Plot {
             .x_desc(&self.x.label)
             .y_desc(&self.y.label)
             .draw()?;
-        let mut names = Vec::new();
+        let mut ends = Vec::new();
         for curve in &self.curves {
             let color = curve.ink.color();
             let here = |point: &&[f64; 2]| self.x.has(point[0]) && self.y.has(point[1]);
@@ -235,37 +237,70 @@ impl Plot {
             if curve.dots {
                 chart.draw_series(points.iter().map(|&point| Circle::new(point, 6, color.filled())))?;
             }
-            names.push((chart.backend_coord(&end), curve));
+            ends.push((chart.backend_coord(&end), curve));
         }
-        for mark in &self.marks {
-            let at = (mark.at[0], mark.at[1]);
-            if !(self.x.has(at.0) && self.y.has(at.1)) {
-                continue;
-            }
-            chart.draw_series([Circle::new(at, 15, INK.stroke_width(3))])?;
-            let (px, py) = chart.backend_coord(&at);
-            let anchor = Pos::new(HPos::Right, VPos::Bottom);
-            let style = letters.clone().color(&INK).pos(anchor);
-            root.draw(&Text::new(mark.name.clone(), (px - 16, py - 14), style))?;
-        }
-        spread(&mut names);
-        for ((px, py), curve) in names {
-            let style = letters.clone().color(&curve.ink.color()).pos(Pos::new(HPos::Left, VPos::Center));
-            root.draw(&Text::new(curve.name.clone(), (px + 16, py), style))?;
-        }
-        Ok(())
+        let on_it = |mark: &&Mark| self.x.has(mark.at[0]) && self.y.has(mark.at[1]);
+        let marks = self.marks.iter().filter(on_it);
+        let marks = marks.map(|mark| (chart.backend_coord(&(mark.at[0], mark.at[1])), mark)).collect();
+        write_names(root, marks, ends)
     }
 }
 
-/// Moves names down that would stand on others.
+/// Rings with their names to the lower left, and the names of curves where they end.
+fn write_names(
+    root: &DrawingArea<SVGBackend<'_>, Shift>,
+    marks: Vec<((i32, i32), &Mark)>,
+    mut ends: Vec<((i32, i32), &Curve)>,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let letters = (FONT, LETTERS).into_font();
+    for ((x, y), mark) in marks {
+        root.draw(&Circle::new((x, y), 15, INK.stroke_width(3)))?;
+        let style = letters.clone().color(&INK).pos(Pos::new(HPos::Right, VPos::Top));
+        root.draw(&Text::new(mark.name.clone(), (x - 16, y + 6), style))?;
+    }
+    spread(&mut ends);
+    for ((x, y), curve) in ends {
+        let style = letters.clone().color(&curve.ink.color()).pos(Pos::new(HPos::Left, VPos::Center));
+        root.draw(&Text::new(curve.name.clone(), (x + 16, y), style))?;
+    }
+    Ok(())
+}
+
+/// The largest of 1, 2, 5 times a power of ten that is not above `x`.
+fn low_mark(x: f64) -> f64 {
+    let decade = 10_f64.powf(x.log10().floor());
+    let marks = [5.0, 2.0, 1.0].map(|mark| mark * decade);
+    marks.into_iter().find(|&mark| mark <= x).unwrap_or(decade)
+}
+
+/// The smallest of 1, 2, 5 times a power of ten that is not below `x`.
+fn high_mark(x: f64) -> f64 {
+    1.0 / low_mark(1.0 / x)
+}
+
+/// Moves names that would stand on one another: down, and at the bottom up again.
 fn spread(names: &mut [((i32, i32), &Curve)]) {
+    // Letters are a little more than half as wide as high.
+    let width = |curve: &Curve| curve.name.chars().map(|_| LETTERS * 11 / 20).sum::<i32>();
     names.sort_by_key(|((_, y), _)| *y);
+    let meets = |a: &((i32, i32), &Curve), b: &((i32, i32), &Curve)| {
+        let ((ax, ay), (bx, by)) = (a.0, b.0);
+        ax < bx + width(b.1) && bx < ax + width(a.1) && (ay - by).abs() < LETTERS + 4
+    };
     for i in 1..names.len() {
-        let ((x, y), _) = names[i];
-        let clash = |(px, py): (i32, i32)| (px - x).abs() < NAMES as i32 && y - py < LETTERS + 5;
-        let above = names[..i].iter().map(|(at, _)| *at).filter(|&at| clash(at)).map(|(_, py)| py).max();
-        if let Some(above) = above {
-            names[i].0.1 = above + LETTERS + 5;
+        for j in 0..i {
+            if meets(&names[i], &names[j]) {
+                names[i].0.1 = names[j].0.1 + LETTERS + 4;
+            }
+        }
+    }
+    let bottom = HEIGHT - LABELS - LETTERS / 2;
+    for i in (0..names.len()).rev() {
+        names[i].0.1 = names[i].0.1.min(bottom);
+        for j in (i + 1..names.len()).rev() {
+            if meets(&names[i], &names[j]) {
+                names[i].0.1 = names[j].0.1 - LETTERS - 4;
+            }
         }
     }
 }

@@ -5,7 +5,7 @@
 //! is no better than that; where the shadow parts, no arithmetic of this width can say where the balls are.
 
 use super::ReportError;
-use super::subject::{Subject, seconds, tick, words};
+use super::subject::{Subject, centers, seconds, tick, words};
 use ballroom_physics::{Accuracy, Controller, Scene, Scheme};
 use nalgebra::Vector3;
 
@@ -56,7 +56,7 @@ impl Reference {
         let mut run = subject.start(TIGHTEST)?;
         for n in 0..=ticks {
             run.advance_to(tick(n));
-            truth.centers.extend(run.balls().iter().map(|ball| ball.center));
+            truth.centers.extend(centers(&run));
         }
         truth.sensitivity = truth.errors(&mut subject.start_of(&shadow(subject))?, ticks);
         for step in STEPS {
@@ -69,7 +69,7 @@ impl Reference {
         }
         let apart: Vec<f64> =
             truth.disagreement.iter().zip(&truth.sensitivity).map(|(a, b)| a.max(*b)).collect();
-        let first_over = |limit: f64| apart.iter().position(|&d| !(d <= limit));
+        let first_over = |limit: f64| apart.iter().position(|&d| d.is_nan() || d > limit);
         truth.span = first_over(AGREED_M).map_or(ticks, |first| first.saturating_sub(1)).max(1);
         truth.horizon = first_over(truth.lost_m);
         Ok(truth)
@@ -101,8 +101,8 @@ impl Reference {
         let mut largest = 0.0_f64;
         let advance = |(n, truth): (usize, &[Vector3<f64>])| {
             run.advance_to(tick(n));
-            for (ball, truth) in run.balls().iter().zip(truth) {
-                let error = (ball.center - truth).norm();
+            for (center, truth) in centers(run).zip(truth) {
+                let error = (center - truth).norm();
                 // `max` would forget what is not a number.
                 largest = if error.is_nan() || largest.is_nan() { f64::NAN } else { largest.max(error) };
             }
@@ -132,14 +132,19 @@ fn sooner(disagreement: &[f64]) -> (usize, f64) {
     (disagreement.len() - agreed, disagreement[agreed.max(1) - 1])
 }
 
-/// The scene with starting velocities that differ in their last bits, each ball's in another direction.
+/// The scene with starting velocities that differ in their last bits, each ball's in another direction. Balls at rest
+/// stay so unless all are: a rack that touches is to go on touching.
 fn shadow(subject: &Subject) -> Scene {
     let mut scene = Scene { accuracy: TIGHTEST, ..subject.scene().clone() };
-    let fastest = scene.balls.iter().map(|ball| ball.velocity.norm()).fold(1.0, f64::max);
+    let fastest = scene.balls.iter().map(|ball| ball.velocity.norm()).fold(0.0, f64::max);
+    let change = SHADOW * if fastest > 0.0 { fastest } else { 1.0 };
     for (i, ball) in scene.balls.iter_mut().enumerate() {
+        if fastest > 0.0 && ball.velocity.norm() == 0.0 {
+            continue;
+        }
         // The golden angle: no two alike, and along no axis.
         let (sin, cos) = (2.4 * (i + 1) as f64).sin_cos();
-        ball.velocity += SHADOW * fastest * Vector3::new(cos, sin, 0.0);
+        ball.velocity += change * Vector3::new(cos, sin, 0.0);
     }
     scene
 }

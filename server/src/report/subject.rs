@@ -4,6 +4,7 @@ use super::ReportError;
 use crate::SceneText;
 use crate::scene_file::LoadedScene;
 use ballroom_physics::{Accuracy, Controller, Floor, Scene, Scheme, Time};
+use nalgebra::Vector3;
 
 /// Ticks a simulated second at which states are compared.
 pub const RATE_HZ: u32 = 60;
@@ -86,13 +87,19 @@ impl Subject {
 
     /// A variant of the scene at its start.
     pub fn start_of(&self, variant: &Scene) -> Result<Controller, ReportError> {
-        Controller::new(variant).map_err(|fault| ReportError::Variant { scene: self.name.clone(), fault })
+        Controller::new(variant)
+            .map_err(|fault| ReportError::Variant { scene: self.name.clone(), fault: Box::new(fault) })
     }
 }
 
 /// Tick `tick` of [`RATE_HZ`].
 pub fn tick(tick: usize) -> Time {
     Time::of_tick(tick as u64, RATE_HZ)
+}
+
+/// Centres of all balls at the run's time, by id, m.
+pub fn centers(run: &Controller) -> impl Iterator<Item = Vector3<f64>> + '_ {
+    std::iter::zip(run.balls(), run.scene_index()).map(|(ball, _)| ball.center)
 }
 
 /// Seconds of `ticks` ticks.

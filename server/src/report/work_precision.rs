@@ -6,7 +6,7 @@ use super::plot::{Axis, Curve, Ink, Mark, Plot};
 use super::reference::Reference;
 use super::section::{Table, figure, table};
 use super::subject::{Family, Subject, number, tick, words};
-use super::{Options, Progress, ReportError, numbers};
+use super::{Options, Progress, ReportError, numbers, ticks};
 use ballroom_physics::Accuracy;
 use maud::{Markup, html};
 use serde_json::{Value, json};
@@ -35,6 +35,8 @@ pub struct WorkPrecision {
     pub own: Run,
     /// CPU time of reading the states of all ticks of the span, beyond that of stepping, µs a ball and simulated second.
     pub reading_micros: f64,
+    /// The reference's own error, m: smaller ones say nothing.
+    pub floor_m: f64,
 }
 
 /// Errors that a cheapest setting is named for, m.
@@ -57,20 +59,33 @@ impl WorkPrecision {
         }
         let own = run(subject, truth, subject.own())?;
         let start = subject.start(subject.own())?;
-        let ticked = cost(|| start.clone(), |run| (1..=truth.span).for_each(|n| _ = run.advance_to(tick(n))));
+        let ticked = cost(
+            || start.clone(),
+            |run| {
+                for n in 1..=truth.span {
+                    run.advance_to(tick(n));
+                    ticks::read(run);
+                }
+            },
+        );
         let reading_micros = 1e6 * (ticked.seconds - own.cost.seconds) / ball_seconds(subject, truth);
-        Ok(Self { runs, own, reading_micros: reading_micros.max(0.0) })
+        Ok(Self { runs, own, reading_micros: reading_micros.max(0.0), floor_m: truth.error() })
     }
 
-    /// The cheapest run whose error is at most `wanted` m.
+    /// The cheapest run whose error is at most `wanted` m; none if the reference itself is not known that well.
     pub fn cheapest(&self, wanted: f64) -> Option<&Run> {
-        let exact = self.runs.iter().chain([&self.own]).filter(|run| run.error_m <= wanted);
+        let known = self.floor_m <= wanted;
+        let exact = self.runs.iter().chain([&self.own]).filter(|run| known && run.error_m <= wanted);
         exact.min_by(|a, b| a.micros.total_cmp(&b.micros))
     }
 
     /// Whether the settings make a difference at all.
     pub fn matters(&self) -> bool {
         self.runs.iter().any(|run| run.error_m != self.runs[0].error_m)
+    }
+
+    fn why_none(&self, wanted: f64) -> &'static str {
+        if self.floor_m > wanted { "the reference is not known that well" } else { "none of those tried" }
     }
 
     fn plot(&self, subject: &Subject, truth: &Reference) -> Plot {
@@ -80,7 +95,7 @@ impl WorkPrecision {
         let curve = |(family, ink): (Family, &Ink)| Curve {
             name: family.name().to_owned(),
             ink: *ink,
-            points: self.of(family).map(at).collect(),
+            points: down_to(floor, self.of(family).map(at)),
             dots: true,
             dashed: false,
         };
@@ -112,7 +127,8 @@ impl WorkPrecision {
         let own = &self.own;
         html! {
             code { (subject.name) } " at its own setting (" (words(own.setting)) "): "
-            (error_words(own.error_m, truth)) " for " (plain(own.micros)) " µs a ball-second"
+            @if self.matters() { (error_words(own.error_m, truth)) } @else { "a closed form, which no setting changes," }
+            " for " (plain(own.micros)) " µs a ball-second"
             @if self.matters() {
                 @if let Some(run) = self.cheapest(1e-9) {
                     "; cheapest for 1e-9 m: " (words(run.setting)) ", " (plain(run.micros)) " µs"
@@ -122,43 +138,50 @@ impl WorkPrecision {
         }
     }
 
-    /// The part of the page, and the picture.
-    pub fn show(&self, subject: &Subject, truth: &Reference) -> Result<(Markup, String), ReportError> {
-        let svg = self.plot(subject, truth).svg()?;
-        let caption = html! {
-            "Largest distance of any ball’s centre from the reference over all "
-            (truth.span) " ticks of " (plain(truth.span_s())) " s, against CPU time of stepping: down and to the left "
-            "is better. A dot is a run; the ring is the scene’s own setting, "
-            (words(self.own.setting)) ". The dashed line is how well the reference is known; nothing can be seen below it."
-        };
-        let wanted = WANTED.map(|wanted| match self.cheapest(wanted) {
-            Some(run) => vec![
-                format!("{wanted:.0e} m"),
-                words(run.setting),
-                rough(run.error_m),
-                plain(run.micros),
-                plain(run.steps),
-            ],
-            None => vec![
-                format!("{wanted:.0e} m"),
-                "none of those tried".into(),
-                "–".into(),
-                "–".into(),
-                "–".into(),
-            ],
-        });
-        let markup = html! {
-            (figure(&svg, &caption))
-            @if !self.matters() {
-                p { "Every setting gives the same bits: on a plane, motion is a closed form, and what is left is the cost of hits." }
-            }
-            (table(&["wanted", "cheapest setting", "error, m", "µs a ball-second", "steps a ball-second"], &wanted))
+    /// The part of the page, and the picture where there is something to see.
+    pub fn show(
+        &self,
+        subject: &Subject,
+        truth: &Reference,
+    ) -> Result<(Markup, Option<String>), ReportError> {
+        let reading = html! {
             p {
                 "Reading the states of all ticks comes to " (plain(self.reading_micros))
                 " µs a ball-second more, at " (super::subject::RATE_HZ) " ticks a second."
             }
         };
-        Ok((markup, svg))
+        if !self.matters() {
+            let markup = html! {
+                p {
+                    "Every setting gives the same bits: on a plane, motion is a closed form. What is left is the cost of hits, "
+                    (plain(self.own.micros)) " µs a ball-second over " (plain(truth.span_s())) " s."
+                }
+                (reading)
+            };
+            return Ok((markup, None));
+        }
+        let svg = self.plot(subject, truth).svg()?;
+        let caption = html! {
+            "Largest distance of any ball’s centre from the reference over all "
+            (truth.span) " ticks of " (plain(truth.span_s())) " s, against CPU time of stepping: down and to the left "
+            "is better. A dot is a run, and a curve ends where the reference is known no better; the ring is the scene’s own setting, "
+            (words(self.own.setting)) ". The dashed line is how well the reference is known."
+        };
+        let columns = ["wanted", "cheapest setting", "error, m", "µs a ball-second", "steps a ball-second"];
+        let markup = html! {
+            (figure(&svg, &caption))
+            (table(&columns, &WANTED.map(|wanted| self.cheapest_row(wanted))))
+            (reading)
+        };
+        Ok((markup, Some(svg)))
+    }
+
+    fn cheapest_row(&self, wanted: f64) -> Vec<String> {
+        let (setting, numbers) = match self.cheapest(wanted) {
+            Some(run) => (words(run.setting), [rough(run.error_m), plain(run.micros), plain(run.steps)]),
+            None => (self.why_none(wanted).to_owned(), ["–"; 3].map(str::to_owned)),
+        };
+        [format!("{wanted:.0e} m"), setting].into_iter().chain(numbers).collect()
     }
 
     /// All runs as rows of a table.
@@ -214,6 +237,15 @@ impl WorkPrecision {
             "reading_us_per_ball_second": self.reading_micros,
         })
     }
+}
+
+/// Points up to the first that stands on the floor: what costs more than that is no longer seen to be better.
+fn down_to(floor: f64, points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
+    let mut points: Vec<_> = points.collect();
+    if let Some(first) = points.iter().position(|point| point[1] <= floor) {
+        points.truncate(first + 1);
+    }
+    points
 }
 
 /// An error in words, which ends where the reference's own begins.

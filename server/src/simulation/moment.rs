@@ -1,6 +1,7 @@
 //! A run at one instant: what moves apart from what stays, so that a point of the past costs what moves.
 
 use super::Simulation;
+use crate::crew::Crew;
 use crate::scene_file::LoadedScene;
 use crate::world::{Present, World};
 use ballroom_physics::{CheckpointFault, Controller, Time};
@@ -58,6 +59,7 @@ impl Ground {
             present: Arc::new(Present::new(world.clone())),
             world,
             controller,
+            crew: Crew::default(),
             tick_rate_hz,
             epoch: moment.epoch,
             tick,
@@ -101,6 +103,7 @@ impl Simulation {
             world,
             present: _,
             controller: _,
+            crew: _,
             tick_rate_hz,
             epoch: _,
             tick: _,

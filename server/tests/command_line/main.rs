@@ -9,6 +9,7 @@ mod players;
 mod readers;
 mod relay;
 mod reload;
+mod report;
 mod serving;
 mod simulate;
 mod terminal;

@@ -12,7 +12,7 @@ use protocol::timeline::SavedState;
 use server::history::Past;
 use server::recording::{Reader, RecordOptions, Recorder, replay};
 use server::scene_file::SceneText;
-use server::simulation::{Moment, Simulation};
+use server::simulation::{Ground, Moment, Simulation};
 use std::cell::Cell;
 use std::io::Cursor;
 use std::sync::{Arc, LazyLock};
@@ -61,13 +61,16 @@ within_m = 0.3
 speed_rms_m_per_s = 1.0
 "#;
 
-static VALID: LazyLock<Simulation> = LazyLock::new(|| {
+/// A world, and a state of it.
+static VALID: LazyLock<(Arc<Ground>, SavedState)> = LazyLock::new(|| {
     let loaded = SceneText::new("fuzz.toml", SCENE).load().unwrap();
     let mut simulation = Simulation::new(Arc::new(loaded), 60, 1).unwrap();
     for _ in 0..20 {
         simulation.advance();
     }
-    simulation
+    let ground = Arc::new(simulation.ground());
+    let saved = Past::new(&ground, &moment(&simulation)).to_saved().unwrap();
+    (ground, saved)
 });
 
 fn assert_finite(simulation: &Simulation) {
@@ -112,11 +115,11 @@ fn moment(simulation: &Simulation) -> Moment {
 
 #[test]
 fn a_saved_state_and_what_goes_on_from_it() {
-    let saved = Past::new(&Arc::new(VALID.ground()), &moment(&VALID)).to_saved().unwrap();
-    let valid = [serde_json::to_vec(&saved).unwrap()];
+    let (ground, saved) = &*VALID;
+    let valid = [serde_json::to_vec(saved).unwrap()];
     bolero::check!().with_iterations(2000).with_max_len(MAX_LEN).for_each(move |input: &[u8]| {
         let Ok(saved) = serde_json::from_slice::<SavedState>(&damaged(input, &valid)) else { return };
-        go_on(Past::of_saved(&Arc::new(VALID.ground()), &saved).and_then(|past| past.simulation()));
+        go_on(Past::of_saved(ground, &saved).and_then(|past| past.simulation()));
     });
 }
 

@@ -47,7 +47,7 @@ pub fn hold(loaded: &LoadedScene, start: &Controller, script: &[Act]) -> Result<
         let deeds = || script.iter().filter(|act| act.beat == beat);
         driven |= deeds().any(|act| matches!(act.deed, Deed::Drive { .. }));
         // A push gives momentum of its own.
-        was.momentum = laws.momentum(engine.balls());
+        was.momentum = laws.momentum(&engine);
         let mut hits = vec![];
         let before = engine.report();
         for tick in 1..=2 {
@@ -66,7 +66,7 @@ pub fn hold(loaded: &LoadedScene, start: &Controller, script: &[Act]) -> Result<
             .map_err(|fault| format!("{fault}, in beat {beat}"))?;
         was = now;
     }
-    let (report, last) = (engine.report(), engine.balls().to_vec());
+    let (report, last) = (engine.report(), engine.balls().collect());
     let hits = report.collisions.ball_ball + report.collisions.ball_wall;
     Ok(Run { hashes, last, hits, refused, piled: report.fallbacks > 0 })
 }
@@ -82,7 +82,7 @@ struct Sums {
 impl Sums {
     fn of(laws: &Laws, engine: &Controller) -> Self {
         let energy = engine.energy() - engine.steering_work();
-        Self { energy, momentum: laws.momentum(engine.balls()) }
+        Self { energy, momentum: laws.momentum(engine) }
     }
 }
 
@@ -107,8 +107,8 @@ impl<'a> Laws<'a> {
         if self.scene.motion == MotionLaw::Rolling { ball.inertia_factor } else { 0.0 }
     }
 
-    fn momentum(&self, states: &[BallState]) -> Vector2<f64> {
-        let each = self.balls.iter().zip(states);
+    fn momentum(&self, engine: &Controller) -> Vector2<f64> {
+        let each = self.balls.iter().zip(engine.balls());
         each.map(|(ball, state)| state.velocity.xy() * ((1.0 + self.k(ball)) * ball.mass)).sum()
     }
 
@@ -123,14 +123,14 @@ impl<'a> Laws<'a> {
 
     /// All finite, on the floor, within the walls and apart.
     fn hold_places(&self, engine: &Controller) -> Result<(), String> {
-        let states = engine.balls();
+        let states: Vec<BallState> = engine.balls().collect();
         let deepest = engine.report().deepest_penetration;
         let smallest = self.balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
         if deepest > OVERLAP * smallest {
             return Err(format!("a hit overlaps by {deepest:e} m"));
         }
         let slack = self.arc_error();
-        for (id, (ball, state)) in self.balls.iter().zip(states).enumerate() {
+        for (id, (ball, state)) in self.balls.iter().zip(&states).enumerate() {
             let vectors = [state.center, state.normal, state.velocity, state.omega];
             if !vectors.iter().flat_map(Vector3::iter).chain(&state.orientation).all(|x| x.is_finite()) {
                 return Err(format!("ball {id} is nowhere: {state:?}"));
@@ -150,7 +150,7 @@ impl<'a> Laws<'a> {
                     return Err(format!("ball {id} is {depth:e} m in wall {n}"));
                 }
             }
-            for (other, (theirs, there)) in self.balls.iter().zip(states).enumerate().take(id) {
+            for (other, (theirs, there)) in self.balls.iter().zip(&states).enumerate().take(id) {
                 let depth = ball.radius + theirs.radius - (state.center - there.center).norm();
                 let room =
                     OVERLAP * ball.radius.min(theirs.radius) + 2.0 * slack.unwrap_or(1e-3 * ball.radius);

@@ -26,7 +26,7 @@ fn follow(
             return Err(format!("{claim}: the state hash differs after beat {beat}"));
         }
     }
-    let same = engine.balls().iter().zip(&run.last).position(|(a, b)| bits(a) != bits(b));
+    let same = engine.balls().zip(&run.last).position(|(a, b)| bits(&a) != bits(b));
     same.map_or(Ok(()), |id| Err(format!("{claim}: ball {id} differs though the hash does not")))
 }
 
@@ -86,8 +86,8 @@ pub fn hold_in_a_mirror(loaded: &LoadedScene, start: &Controller, script: &[Act]
         advance(&mut engine, beat, 30);
         advance(&mut image, beat, 30);
         // 0 and -0 are one number.
-        let mut pairs = engine.balls().iter().zip(image.balls());
-        if let Some(id) = pairs.position(|(ball, seen)| mirrored_state(ball) != *seen) {
+        let mut pairs = engine.balls().zip(image.balls());
+        if let Some(id) = pairs.position(|(ball, seen)| mirrored_state(&ball) != seen) {
             return Err(format!("in a mirror, ball {id} differs after beat {beat}"));
         }
     }
@@ -108,8 +108,8 @@ pub fn hold_beside_a_bystander(
     let Some(Ok(mut engine)) = reloaded(&scene).map(|loaded| loaded.controller()) else { return Ok(false) };
     let added = added_to(&engine);
     let others = |engine: &Controller| -> Vec<BallState> {
-        let all = engine.balls().iter().enumerate();
-        all.filter(|(id, _)| *id != added).map(|(_, ball)| *ball).collect()
+        let all = engine.balls().enumerate();
+        all.filter(|(id, _)| *id != added).map(|(_, ball)| ball).collect()
     };
     let mut refused = 0;
     for beat in 0..BEATS {
@@ -123,7 +123,7 @@ pub fn hold_beside_a_bystander(
     if refused != run.refused {
         return Ok(false);
     }
-    let differs = others(&engine).iter().zip(&run.last).position(|(a, b)| bits(a) != bits(b));
+    let differs = others(&engine).iter().zip(&run.last).position(|(a, b)| bits(&a) != bits(b));
     match differs {
         Some(id) => Err(format!("beside a ball that meets nobody, ball {id} differs at the end")),
         None => Ok(true),
@@ -194,7 +194,7 @@ pub fn hold_when_one_comes_and_goes(
     if refused != run.refused {
         return Ok(false);
     }
-    let differs = engine.balls().iter().zip(&run.last).position(|(a, b)| bits(a) != bits(b));
+    let differs = engine.balls().zip(&run.last).position(|(a, b)| bits(&a) != bits(b));
     let claim = format!("one came at beat {comes_at} and went at {goes_at}");
     differs.map_or(Ok(true), |id| Err(format!("{claim}, and ball {id} differs at the end")))
 }

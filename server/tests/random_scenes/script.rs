@@ -65,7 +65,7 @@ impl Act {
             }
             Deed::Release => engine.drive(id, None),
             Deed::Set { by_radii, velocity: [vx, vy], spin } => {
-                let center = engine.balls()[id].center.xy() + Vector2::from(by_radii) * radius;
+                let center = engine.ball(id).center.xy() + Vector2::from(by_radii) * radius;
                 let Ok(spot) = engine.spot(id, center) else { return false };
                 let velocity = Some(Vector3::new(vx, vy, 0.0));
                 let seat = Seat { ball: id, spot: Some(spot), velocity, spin: Some(spin) };
@@ -87,7 +87,7 @@ pub fn act(engine: &mut Controller, script: &[Act], beat: u64, index: impl Fn(us
         let place = index(act.ball);
         let id = engine.scene_index().iter().position(|p| *p == place);
         let id = id.expect("the ball is in the scene");
-        let ball = &engine.balls()[id];
+        let ball = engine.ball(id);
         let radius = (ball.center - engine.patch().jet(ball.uv.x, ball.uv.y).point).norm();
         refused += u64::from(!act.apply(engine, id, radius));
     }

@@ -10,10 +10,12 @@
 //! | [`closed_forms`] | motion and hits with exact answers |
 //! | [`references`] | trajectories on any floor, from another formulation in 33 and 42 digits |
 //! | [`scenes`], [`ride`], [`mirror`] | scenes in few words, and ways to run and compare them |
+//! | [`gas`] | a gas of any number of balls, to measure with |
 
 pub mod case;
 pub mod closed_forms;
 pub mod demand;
+pub mod gas;
 pub mod hard;
 pub mod mirror;
 pub mod references;

@@ -53,8 +53,8 @@ pub fn differing_states(scene: &Scene, rate_hz: u32, ticks: u64) -> Result<u64, 
     let mut differing = 0;
     ride::run(&scene, rate_hz, ticks, |tick, engine| {
         image.advance_to(Time::of_tick(tick, rate_hz));
-        let pairs = engine.balls().iter().zip(image.balls());
-        differing += pairs.filter(|(ball, seen)| mirrored_state(ball) != **seen).count() as u64;
+        let pairs = engine.balls().zip(image.balls());
+        differing += pairs.filter(|(ball, seen)| mirrored_state(ball) != *seen).count() as u64;
     })?;
     Ok(differing)
 }

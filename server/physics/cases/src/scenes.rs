@@ -107,8 +107,8 @@ pub fn contact(x: f64, y: f64) -> Place {
 /// The balls in the order of the scene's list.
 pub fn in_list_order(engine: &Controller) -> Vec<BallState> {
     let mut balls = vec![BallState::default(); engine.balls().len()];
-    for (state, place) in engine.balls().iter().zip(engine.scene_index()) {
-        balls[*place] = *state;
+    for (state, place) in engine.balls().zip(engine.scene_index()) {
+        balls[*place] = state;
     }
     balls
 }
@@ -122,7 +122,7 @@ pub fn bits(ball: &BallState) -> Vec<u64> {
 
 /// Every bit of all balls by id.
 pub fn all_bits(engine: &Controller) -> Vec<u64> {
-    engine.balls().iter().flat_map(bits).collect()
+    engine.balls().flat_map(|ball| bits(&ball)).collect()
 }
 
 /// The scene with its floor written as a net.

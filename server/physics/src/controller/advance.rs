@@ -1,6 +1,6 @@
 //! An advance: the first event of all, again and again, until the caller's time.
 
-use super::Controller;
+use super::{Controller, Shard};
 use crate::diagnostics::Report;
 use crate::motion::arc::Path;
 use crate::motion::law::State;
@@ -11,32 +11,48 @@ impl Controller {
     /// Advances to `time`: every hit up to and including it is resolved. Earlier times do nothing. Returns what
     /// happened; the hits themselves are in [`Self::hits`], the energy in [`Self::energy`].
     pub fn advance_to(&mut self, time: Time) -> Report {
-        self.hits.clear();
+        if self.shards.is_some() {
+            let in_turn = &mut |shards: &mut Vec<Shard>, until| {
+                shards.iter_mut().for_each(|shard| shard.advance_to(until));
+            };
+            return self.advance_divided(time, in_turn);
+        }
+        self.clear_hits();
         let before = self.report;
         if time <= self.time {
             return Report::default();
         }
         self.time = time;
+        self.run_to(time);
+        self.report.since(&before)
+    }
+
+    /// Every event up to and including `time`.
+    pub(super) fn run_to(&mut self, time: Time) {
         loop {
             let (ball, next) = self.queue.first();
             let next = *next;
             if next.time > time {
+                self.close_instant();
                 break;
+            }
+            self.open_instant(next.time);
+            if self.is_shard() {
+                self.take_in_shard(ball, &next);
+                continue;
             }
             self.now = self.now.max(next.time);
             self.take(ball, &next);
         }
-        self.observe();
-        self.report.since(&before)
     }
 
-    fn take(&mut self, ball: usize, next: &Next) {
+    pub(super) fn take(&mut self, ball: usize, next: &Next) {
         match next.what {
             What::Ball { other, stamp } if self.arcs[other as usize].stamp == stamp => {
                 self.collide_balls(ball, other as usize, next.time);
             }
             // The other ball went elsewhere: search again.
-            What::Ball { .. } => self.predict(ball),
+            What::Ball { .. } => self.predict(ball, next.time),
             What::Wall { wall } => self.collide_wall(ball, wall as usize, next.time),
             What::Renew => self.renew(ball, next.time),
         }
@@ -62,7 +78,7 @@ impl Controller {
                 }
             }
         }
-        self.predict(ball);
+        self.predict(ball, time);
     }
 
     /// Closes the present arc and puts a ball that was hit or pushed on a new one.
@@ -77,11 +93,13 @@ impl Controller {
 
     /// Takes stock of the present arc at its end, and keeps the orientation for the next.
     pub(super) fn close_arc(&mut self, ball: usize, time: Time) {
-        self.report.steering_work += self.work_of_force(ball, time);
+        self.will_change(ball);
+        let work = self.work_of_force(ball, time);
         let arc = &mut self.arcs[ball];
         let dt = time.since(arc.start);
-        self.report.negative_reaction += arc.negative_reaction(dt);
+        let pulled = arc.negative_reaction(dt);
         arc.turning.start = arc.orientation_at(dt);
+        self.book(ball, work, pulled);
     }
 
     /// Puts a ball on a new arc, which keeps the orientation.

@@ -81,11 +81,27 @@ impl Controller {
         [self.time, self.now].all(&mut keep);
         self.report.all(&mut keep);
         for ball in 0..self.balls.len() {
-            self.balls[ball].seeds(&mut keep);
-            self.arcs[ball].seeds(&mut keep);
-            self.queue.of(ball).seeds(&mut keep);
-            self.broad_phase.bounds_of(ball).seeds(&mut keep);
+            self.holder(ball).seeds_of(ball, &mut keep);
         }
+    }
+
+    /// The words of one ball that its future follows from.
+    pub(super) fn seeds_of(&self, ball: usize, keep: &mut impl FnMut(u64)) {
+        self.balls[ball].seeds(keep);
+        self.arcs[ball].seeds(keep);
+        self.queue.of(ball).seeds(keep);
+        self.broad_phase.bounds_of(ball).seeds(keep);
+    }
+
+    /// Takes over words of [`Self::seeds_of`]; false if another arc comes of them.
+    pub(super) fn sow_ball(&mut self, ball: usize, from: &mut Reader<'_>) -> bool {
+        self.balls[ball].sow(from);
+        self.arcs[ball].sow(from);
+        let next = Plain::read(from);
+        let bounds = Plain::read(from);
+        self.queue.set(ball, next);
+        self.broad_phase.file(ball, bounds);
+        !from.failed() && self.launch_again(ball)
     }
 
     /// How many words [`Self::write_run`] writes.
@@ -94,13 +110,9 @@ impl Controller {
         let mut count = |_| words += 1;
         [self.time, self.now].all(&mut count);
         self.report.all(&mut count);
-        if let Some(ball) = self.balls.first() {
+        if !self.balls.is_empty() {
             let fixed = std::mem::take(&mut words);
-            let mut count = |_| words += 1;
-            ball.seeds(&mut count);
-            self.arcs[0].seeds(&mut count);
-            self.queue.of(0).seeds(&mut count);
-            self.broad_phase.bounds_of(0).seeds(&mut count);
+            self.seeds_of(0, &mut |_| words += 1);
             words = fixed + words * self.balls.len();
         }
         words
@@ -147,6 +159,7 @@ impl Controller {
             return Err(CheckpointFault::Length { have: words.len(), want });
         }
         let mut there = self.clone();
+        there.undivide();
         if there.read_run(words) { Ok(there) } else { Err(CheckpointFault::Damaged) }
     }
 
@@ -166,8 +179,7 @@ impl Controller {
             self.queue.set(ball, next);
             self.broad_phase.file(ball, bounds);
         }
-        self.hits.clear();
-        self.observe();
+        self.clear_hits();
         self.is_on_its_floor()
     }
 
@@ -175,20 +187,28 @@ impl Controller {
     /// still not say.
     fn is_on_its_floor(&self) -> bool {
         let near = |x: &f64| (-0.5..=1.5).contains(x);
-        self.energy().is_finite() && self.states.iter().all(|state| state.uv.iter().all(near))
+        let is_near = |ball| {
+            let (state, ..) = self.seen(ball);
+            self.surface.uv([state[0], state[1]]).iter().all(near)
+        };
+        self.energy().is_finite() && (0..self.balls.len()).all(is_near)
     }
 
     /// The largest speed, speed of the skin and change of speed that a force makes in a second, over all balls, m/s. What
     /// it is beyond reason costs time beyond reason.
     pub fn liveliest(&self) -> f64 {
-        let of_ball = |(ball, state): (&Ball, &BallState)| {
+        let of_ball = |(ball, state): (&Ball, BallState)| {
             let drive = ball.drive.map_or(0.0, |drive| (drive.acceleration * drive.direction.norm()).abs());
             let skin = state.omega.norm() * ball.body.radius;
             [state.velocity.norm(), skin, ball.body.applied.norm(), drive]
         };
         // Unlike `f64::max`, this keeps what is not a number.
         let larger = |a: f64, b: f64| if a >= b { a } else { b };
-        self.balls.iter().zip(&self.states).flat_map(of_ball).fold(0.0, larger)
+        (0..self.balls.len())
+            .map(|ball| &self.holder(ball).balls[ball])
+            .zip(self.balls())
+            .flat_map(of_ball)
+            .fold(0.0, larger)
     }
 
     /// Whether a ball's words can be those of a run at this time: nothing began later or ends too late, nobody meets
@@ -245,10 +265,7 @@ impl Controller {
         [self.time, self.now].seeds(&mut mix);
         self.report.seeds(&mut mix);
         for ball in 0..self.balls.len() {
-            self.balls[ball].seeds(&mut mix);
-            self.arcs[ball].seeds(&mut mix);
-            self.queue.of(ball).seeds(&mut mix);
-            self.broad_phase.bounds_of(ball).seeds(&mut mix);
+            self.holder(ball).seeds_of(ball, &mut mix);
         }
         hash.0
     }

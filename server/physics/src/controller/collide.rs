@@ -7,7 +7,7 @@ use crate::motion::law::{State, velocity};
 use crate::resolve::impact::{Contact, Member, hop, resolve_cluster, resolve_one};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{
-    self, CLUSTER_MAX, HITS_KEPT, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
+    self, CLUSTER_MAX, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
     SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
 };
 use nalgebra::Vector3;
@@ -102,7 +102,7 @@ impl Controller {
         self.report.deepest_penetration = self.report.deepest_penetration.max(reach - distance);
         cluster.contacts.push(Contact { a: 0, b: Some(1), line: apart / distance });
         cluster.pairs.push(Pair { ball: a, partner: HitPartner::Ball(b) });
-        self.resolve(cluster, t);
+        self.resolve(cluster, t, time);
     }
 
     /// Resolves the hit of a ball and a wall predicted for `time`.
@@ -132,7 +132,7 @@ impl Controller {
         self.report.deepest_penetration = self.report.deepest_penetration.max(depth);
         cluster.contacts.push(Contact { a: 0, b: None, line: -plane.normal });
         cluster.pairs.push(Pair { ball, partner: HitPartner::Wall(wall) });
-        self.resolve(cluster, t);
+        self.resolve(cluster, t, time);
     }
 
     fn land(&self, ball: usize, time: Time) -> Landed {
@@ -183,14 +183,19 @@ impl Controller {
         cluster.members.push(member);
     }
 
-    /// Resolves the cluster around its first contact at `time`.
-    fn resolve(&mut self, mut cluster: Cluster, time: Time) {
-        self.now = self.now.max(time);
+    /// Resolves the cluster around its first contact at `time`, which was predicted for `event`.
+    fn resolve(&mut self, mut cluster: Cluster, time: Time, event: Time) {
+        let now = time.max(event);
+        self.now = self.now.max(now);
         let slow = cluster.contacts[0].closing(&cluster.members) <= REST_SPEED;
         if slow {
             self.report.rest_hits += 1;
         }
         self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });
+        for landed in &cluster.landed {
+            self.will_change(landed.ball);
+            self.reads_neighbours(landed.ball);
+        }
         if slow {
             // A slow hit does not move a ball that is held, be it hit itself or a neighbour.
             for (landed, member) in cluster.landed.iter().zip(&mut cluster.members) {
@@ -218,7 +223,8 @@ impl Controller {
         }
         self.record(&cluster, time);
         self.count_hits(&mut cluster, time, slow);
-        self.relaunch_moved(&mut cluster, time);
+        self.relaunch_moved(&mut cluster, time, now);
+        cluster.landed.iter().for_each(|landed| self.has_changed(landed.ball));
         self.work.cluster = cluster;
     }
 
@@ -304,8 +310,11 @@ impl Controller {
                 HitPartner::Ball(_) => self.report.collisions.ball_ball += 1,
                 HitPartner::Wall(_) => self.report.collisions.ball_wall += 1,
             }
-            if self.hits.len() >= HITS_KEPT {
-                self.report.hits_dropped += 1;
+            if !self.lists_hits_of(pair.ball) {
+                continue;
+            }
+            if self.hits_are_full() {
+                self.drop_hits(1);
                 continue;
             }
             let at = &cluster.landed[contact.a];
@@ -314,8 +323,8 @@ impl Controller {
         }
     }
 
-    /// Relaunches the two of the first contact and whoever else was moved, and looks ahead for all of them.
-    fn relaunch_moved(&mut self, cluster: &mut Cluster, time: Time) {
+    /// Relaunches the two of the first contact and whoever else was moved, and looks ahead from `now` for all of them.
+    fn relaunch_moved(&mut self, cluster: &mut Cluster, time: Time, now: Time) {
         let hit = cluster.contacts[0];
         cluster.found.clear();
         for (place, member) in cluster.members.iter().enumerate() {
@@ -337,7 +346,7 @@ impl Controller {
             }
         }
         for ball in cluster.found.drain(..) {
-            self.predict(ball);
+            self.predict(ball, now);
         }
     }
 

@@ -1,6 +1,6 @@
 //! A scene is checked and its balls are set down.
 
-use super::collide::Cluster;
+use super::ledger::Ledger;
 use super::{Ball, Controller, Work};
 use crate::detect::ball_wall::Plane;
 use crate::detect::broad_phase::BroadPhase;
@@ -8,7 +8,6 @@ use crate::diagnostics::Report;
 use crate::motion::arc::Arc;
 use crate::motion::body::{Body, Stepping};
 use crate::motion::law::{ROLLING, State};
-use crate::resolve::impact::Scratch;
 use crate::scene::{Accuracy, BallSpec, Floor, MotionLaw, Scene, SceneFault};
 use crate::schedule::queue::Queue;
 use crate::schedule::time::Time;
@@ -37,9 +36,8 @@ impl Controller {
             controller.launch(ball, Time::ZERO, &state);
         }
         for ball in 0..controller.balls.len() {
-            controller.predict(ball);
+            controller.predict(ball, Time::ZERO);
         }
-        controller.observe();
         Ok(controller)
     }
 
@@ -76,7 +74,6 @@ impl Controller {
             broad_phase: BroadPhase::new(&radii, bounds),
             span: (bounds[2] - bounds[0]).max(bounds[3] - bounds[1]),
             queue: Queue::new(order.len()),
-            states: vec![super::BallState::default(); order.len()],
             surface,
             patch,
             certificate: *certificate,
@@ -92,7 +89,10 @@ impl Controller {
             now: Time::ZERO,
             hits: Vec::with_capacity(HITS_KEPT),
             report: Report::default(),
-            work: Work { scratch: Scratch::with_room(tolerance::CLUSTER_MAX + 1), cluster: Cluster::new() },
+            ledger: Ledger::new(),
+            work: Work::new(),
+            share: None,
+            shards: None,
         })
     }
 

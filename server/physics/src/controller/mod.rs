@@ -12,20 +12,25 @@
 //! | what a tick shows: states, energy | `observe` |
 //! | a run as words: saved, restored, hashed | `checkpoint`, `plain` |
 //! | whether words from outside can be a run's | `sound` |
+//! | hits and sums, instant by instant | `ledger` |
+//! | a run in several parts at once, to the same bits | `shards` |
 
 mod advance;
 pub mod checkpoint;
 mod collide;
+mod ledger;
 mod load;
 mod observe;
 mod plain;
 mod predict;
 mod reseat;
+mod shards;
 mod sound;
 mod steer;
 mod succeed;
 
 pub use reseat::{Seat, SeatFault, Spot};
+pub use shards::{Division, SHARDS_MAX, Shard};
 pub use succeed::Successor;
 
 use crate::detect::ball_wall::Plane;
@@ -35,11 +40,13 @@ use crate::motion::arc::Arc;
 use crate::motion::body::{Body, Stepping};
 use crate::resolve::impact::Scratch;
 use crate::scene::Accuracy;
+use crate::schedule::event::Next;
 use crate::schedule::queue::Queue;
 use crate::schedule::time::Time;
 use crate::surface::bezier::BezierPatch;
 use crate::surface::certify::Certificate;
 use crate::surface::chart::Surface;
+use crate::tolerance::CLUSTER_MAX;
 use nalgebra::{Vector2, Vector3};
 
 /// A ball at the controller's time.
@@ -110,10 +117,14 @@ pub struct Controller {
     time: Time,
     /// Time of the last event; never ahead of `time` but for the polish of a hit.
     now: Time,
-    states: Vec<BallState>,
     hits: Vec<Hit>,
     report: Report,
+    ledger: ledger::Ledger,
     work: Work,
+    /// What a shard notes, and the whole of a divided run.
+    share: Option<Box<shards::Share>>,
+    /// The parts of a divided run.
+    shards: Option<Box<shards::Shards>>,
 }
 
 /// Working memory of an advance, kept so that none allocates.
@@ -121,6 +132,15 @@ pub struct Controller {
 struct Work {
     scratch: Scratch,
     cluster: collide::Cluster,
+    /// What a search found to come next for others.
+    theirs: Vec<(usize, Next)>,
+}
+
+impl Work {
+    fn new() -> Self {
+        let scratch = Scratch::with_room(CLUSTER_MAX + 1);
+        Self { scratch, cluster: collide::Cluster::new(), theirs: Vec::with_capacity(1024) }
+    }
 }
 
 impl Controller {
@@ -129,14 +149,9 @@ impl Controller {
         self.time
     }
 
-    /// Hits of the last advance in order of time, at most [`crate::tolerance::HITS_KEPT`].
+    /// Hits of the last advance in order of time, those of one instant by ball, at most [`crate::tolerance::HITS_KEPT`].
     pub fn hits(&self) -> &[Hit] {
         &self.hits
-    }
-
-    /// The balls at the controller's time, by id.
-    pub fn balls(&self) -> &[BallState] {
-        &self.states
     }
 
     /// For each id, the ball's place in the scene's list.

@@ -1,48 +1,58 @@
-//! What a tick shows: states, energy. Looking changes nothing.
+//! What a tick shows: states, energy. Read off the arcs when somebody asks; looking changes nothing.
 
 use super::{BallState, Controller};
-use crate::motion::law::{angular_velocity, velocity};
+use crate::motion::law::{State, angular_velocity, velocity};
 use crate::motion::rotation;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
+
+type V3 = Vector3<f64>;
 
 impl Controller {
-    /// Reads every ball's state at the caller's time off its arc.
-    pub(super) fn observe(&mut self) {
-        for ball in 0..self.balls.len() {
-            self.observe_one(ball);
-        }
-    }
-
-    /// The same of one ball.
-    pub(super) fn observe_one(&mut self, ball: usize) {
-        let b = &self.balls[ball];
-        let arc = &mut self.arcs[ball];
-        let dt = self.time.since(arc.start).max(0.0);
-        let (state, center, n) = arc.sample(&b.body, &self.surface, dt);
-        let w = velocity(&state);
+    /// A ball at the controller's time, by id: about 0.3 us on a curved floor, most of it for the orientation.
+    pub fn ball(&self, ball: usize) -> BallState {
+        let at = self.holder(ball);
+        let b = &at.balls[ball];
+        let (state, center, normal) = at.seen(ball);
         let [u, v] = self.surface.uv([state[0], state[1]]);
+        let w = velocity(&state);
         let (omega, orientation) = if b.body.rolls {
-            (angular_velocity(&n, &w, state[5], b.body.radius), arc.orientation_at(dt))
+            let arc = &at.arcs[ball];
+            let dt = at.time.since(arc.start).max(0.0);
+            (angular_velocity(&normal, &w, state[5], b.body.radius), arc.orientation_at(dt))
         } else {
             let angle = b.free_omega * self.time.seconds();
             (b.free_omega, rotation::of_rotation_vector(angle))
         };
-        self.states[ball] =
-            BallState { uv: Vector2::new(u, v), center, normal: n, velocity: w, omega, orientation };
+        BallState { uv: Vector2::new(u, v), center, normal, velocity: w, omega, orientation }
+    }
+
+    /// The balls at the controller's time, by id, each computed as it is asked for.
+    pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState> + Clone + '_ {
+        (0..self.balls.len()).map(|ball| self.ball(ball))
+    }
+
+    /// State, centre and normal at the controller's time.
+    pub(super) fn seen(&self, ball: usize) -> (State, V3, V3) {
+        let arc = &self.arcs[ball];
+        let dt = self.time.since(arc.start).max(0.0);
+        arc.sample(&self.balls[ball].body, &self.surface, dt)
     }
 
     /// Total energy at the controller's time, J: translation, rotation, height. The spin of a sliding ball, which
     /// nothing changes, is left out.
     pub fn energy(&self) -> f64 {
-        self.balls
-            .iter()
-            .zip(&self.states)
-            .map(|(b, s)| {
-                let k = b.body.inertia_factor;
-                let sigma = s.omega.dot(&s.normal) * b.body.radius;
-                let spin = if b.body.rolls { 0.5 * k * sigma * sigma } else { 0.0 };
-                b.mass * (0.5 * (1.0 + k) * s.velocity.norm_squared() + spin - self.gravity.dot(&s.center))
-            })
-            .sum()
+        let of_ball = |ball: usize| {
+            let at = self.holder(ball);
+            let b = &at.balls[ball];
+            let (state, center, n) = at.seen(ball);
+            let (k, w) = (b.body.inertia_factor, velocity(&state));
+            let mut spin = 0.0;
+            if b.body.rolls {
+                let sigma = angular_velocity(&n, &w, state[5], b.body.radius).dot(&n) * b.body.radius;
+                spin = 0.5 * k * sigma * sigma;
+            }
+            b.mass * (0.5 * (1.0 + k) * w.norm_squared() + spin - self.gravity.dot(&center))
+        };
+        (0..self.balls.len()).map(of_ball).sum()
     }
 }

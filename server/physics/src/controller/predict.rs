@@ -9,9 +9,11 @@ use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{WINDOW_MAX, WINDOW_MIN};
 
 impl Controller {
-    /// Opens a window for `ball` from now on and finds what comes first in it.
-    pub(super) fn predict(&mut self, ball: usize) {
-        let from = self.now.max(self.arcs[ball].start);
+    /// Opens a window for `ball` from `now` on and finds what comes first in it. The present is the caller's event: what
+    /// happens to others meanwhile, far away, cannot touch it.
+    pub(super) fn predict(&mut self, ball: usize, now: Time) {
+        self.will_change(ball);
+        let from = now.max(self.arcs[ball].start);
         self.open_window(ball, from);
         let arc = &self.arcs[ball];
         let id = ball as u32;
@@ -29,7 +31,7 @@ impl Controller {
         let bounds =
             swept_bounds(&standing.center, &standing.velocity, arc.acceleration_bound, arc.radius, duration);
         self.broad_phase.file(ball, bounds);
-        let Self { broad_phase, arcs, queue, report, .. } = self;
+        let Self { broad_phase, arcs, queue, report, work, .. } = self;
         let arc = &arcs[ball];
         broad_phase.neighbours(ball, |other| {
             report.pairs[0] += 1;
@@ -56,10 +58,17 @@ impl Controller {
             }
             let theirs = Next { time, what: What::Ball { other: id, stamp: arc.stamp } };
             if theirs.key(other as u32) < queue.of(other).key(other as u32) {
-                queue.set(other, theirs);
+                work.theirs.push((other, theirs));
             }
         });
         self.queue.set(ball, best);
+        self.reads_neighbours(ball);
+        self.has_changed(ball);
+        while let Some((other, theirs)) = self.work.theirs.pop() {
+            self.will_change(other);
+            self.queue.set(other, theirs);
+            self.has_changed(other);
+        }
     }
 
     /// A window ends with the arc, before the ball has travelled far, and for a driven ball with the quantum.

@@ -117,6 +117,7 @@ impl Controller {
     /// in no ball, before any is moved. What follows is a function of what was set, not of what the ball did before, but
     /// for its orientation, which it keeps. The energy put in counts as steering work.
     pub fn set_balls(&mut self, seats: &[Seat]) -> Result<(), SeatFault> {
+        self.recall();
         self.now = self.now.max(self.time);
         let mut seated = seats.iter().map(|seat| self.seated(seat)).collect::<Result<Vec<_>, _>>()?;
         seated.sort_by_key(|seated| seated.ball);
@@ -128,9 +129,8 @@ impl Controller {
             self.seat(*ball, state);
         }
         for Seated { ball, .. } in &seated {
-            self.predict(*ball);
+            self.predict(*ball, self.now);
         }
-        self.observe();
         Ok(())
     }
 
@@ -138,7 +138,9 @@ impl Controller {
     /// if there is room for all of them. Held forces end.
     pub fn set_as_in(&mut self, other: &Self) -> Result<(), SeatFault> {
         let stand = other.now.max(other.time);
+        self.recall();
         let seated = |ball: usize| {
+            let other = other.holder(ball);
             let (arc, body) = (&other.arcs[ball], &other.balls[ball].body);
             let state = arc.land(body, &other.surface, other.accuracy, stand.since(arc.start).max(0.0)).0;
             Seated { ball, state, center: body.seat(&other.surface, &state).0 }
@@ -154,19 +156,18 @@ impl Controller {
         self.now = self.now.max(self.time);
         let stand = other.now.max(other.time);
         for ball in 0..self.balls.len().min(other.balls.len()) {
-            // Reading an orientation follows the turning along, so a copy.
-            let mut arc = other.arcs[ball];
+            let other = other.holder(ball);
+            let arc = &other.arcs[ball];
             let dt = stand.since(arc.start).max(0.0);
             let state = arc.land(&other.balls[ball].body, &other.surface, other.accuracy, dt).0;
             let orientation = arc.orientation_at(dt);
             self.release(ball);
             self.seat(ball, &state);
-            self.arcs[ball].turning.go_on_from(orientation);
+            self.arcs[ball].turning.start = orientation;
         }
         for ball in 0..self.balls.len() {
-            self.predict(ball);
+            self.predict(ball, self.now);
         }
-        self.observe();
     }
 
     /// The balls as they are, at time 0 and with every count at 0, in a copy of `start`, a controller of the same scene.

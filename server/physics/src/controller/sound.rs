@@ -15,10 +15,14 @@ impl Controller {
     /// that are due. It looks at every pair of neighbours, which takes as long as loading does.
     pub fn is_sound(&self) -> bool {
         let mut fresh = self.clone();
+        if self.shards.is_some() {
+            fresh.undivide();
+            return fresh.is_sound();
+        }
         fresh.now = self.now.max(self.time);
         (0..self.balls.len()).all(|ball| self.is_clear(ball))
             && (0..self.balls.len()).all(|ball| {
-                fresh.predict(ball);
+                fresh.predict(ball, fresh.now);
                 self.expects(ball, fresh.queue.of(ball))
             })
     }

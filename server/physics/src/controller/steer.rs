@@ -15,6 +15,7 @@ impl Controller {
         if ball >= self.balls.len() || !delta.iter().all(|x| x.is_finite()) {
             return;
         }
+        self.recall();
         let mut state = self.cut(ball);
         let (_, n) = self.balls[ball].body.seat(&self.surface, &state);
         let before = velocity(&state);
@@ -40,11 +41,11 @@ impl Controller {
         if ball >= self.balls.len() || !finite || self.balls[ball].drive == drive {
             return;
         }
+        self.recall();
         let state = self.cut(ball);
         self.balls[ball].drive = drive;
         let applied = self.applied(ball, &state, self.time);
         self.change_force(ball, self.now, &state, applied);
-        self.observe();
     }
 
     /// The ball's state at the caller's time, integrated to it.
@@ -57,14 +58,14 @@ impl Controller {
 
     fn set_off(&mut self, ball: usize, state: &State) {
         self.relaunch(ball, self.now, state);
-        self.predict(ball);
-        self.observe();
+        self.predict(ball, self.now);
     }
 
     /// Energy put in from outside until the controller's time, J: by pushes and held forces, by balls set anew, added and
     /// removed, by a floor or a gravity changed under them. Total energy less this is constant while every hit is elastic.
     pub fn steering_work(&self) -> f64 {
-        let running: f64 = (0..self.balls.len()).map(|ball| self.work_of_force(ball, self.time)).sum();
+        let running: f64 =
+            (0..self.balls.len()).map(|ball| self.holder(ball).work_of_force(ball, self.time)).sum();
         self.report.steering_work + running
     }
 
@@ -98,7 +99,7 @@ impl Controller {
         self.close_arc(ball, time);
         self.balls[ball].body.applied = applied;
         self.launch(ball, time, state);
-        self.predict(ball);
+        self.predict(ball, time);
     }
 
     /// Acceleration of gravity and of the held force until the quantum ends. The force is constant for a whole

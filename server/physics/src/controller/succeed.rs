@@ -86,8 +86,7 @@ impl Controller {
             ball.stepping.try_s = super::load::first_step(scene.accuracy);
             Some((ball, self.arcs[id].state))
         };
-        let mut controller = Self::standing(scene, patch, &certificate, stands)?;
-        controller.observe();
+        let controller = Self::standing(scene, patch, &certificate, stands)?;
         let was = controller.scene_index.iter().map(|place| old(*place)).collect();
         Ok(Successor { controller, was, keeps })
     }
@@ -97,6 +96,7 @@ impl Controller {
     /// comes and goes with balls, floor and gravity counts as steering work. Returns how many of the balls that stay had
     /// one that leaves as their next partner: those look ahead anew, and may differ in their last bits from then on.
     pub fn go_on_as(&mut self, next: &mut Successor) -> Result<usize, SeatFault> {
+        self.undivide();
         let now = self.now.max(self.time);
         let Successor { controller, was, keeps } = next;
         (controller.time, controller.now, controller.report) = (self.time, now, self.report);
@@ -131,8 +131,7 @@ impl Controller {
             controller.set_out(*ball, now, state);
         }
         for ball in alone.iter().copied().chain(seated.iter().map(|seated| seated.ball)) {
-            controller.predict(ball);
-            controller.observe_one(ball);
+            controller.predict(ball, now);
         }
         std::mem::swap(self, controller);
         Ok(alone.len())
@@ -142,7 +141,6 @@ impl Controller {
     fn carry_on(&mut self, id: usize, run: &Self, old: usize, new_id: &[Option<u32>]) -> bool {
         self.balls[id] = run.balls[old];
         self.arcs[id] = run.arcs[old];
-        self.states[id] = run.states[old];
         self.broad_phase.file(id, *run.broad_phase.bounds_of(old));
         let next = *run.queue.of(old);
         let what = match next.what {
@@ -169,7 +167,7 @@ impl Controller {
         let Ball { drive, hits, rest_hits, hits_quantum, free_omega, .. } = run.balls[old];
         let ball = &mut self.balls[id];
         *ball = Ball { drive, hits, rest_hits, hits_quantum, free_omega, ..*ball };
-        let mut arc = run.arcs[old];
+        let arc = &run.arcs[old];
         self.arcs[id].turning.start = arc.orientation_at(self.now.since(arc.start).max(0.0));
         let (center, n) = self.balls[id].body.seat(&self.surface, &state);
         let w = velocity(&state);

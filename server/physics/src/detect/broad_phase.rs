@@ -102,6 +102,12 @@ impl BroadPhase {
         self.cell[ball] = cell;
     }
 
+    /// Takes `ball` out: nobody finds it until it is filed again.
+    pub fn remove(&mut self, ball: usize) {
+        self.unlink(ball);
+        self.cell[ball] = NOBODY;
+    }
+
     /// Bounds that `ball` is filed under.
     pub fn bounds_of(&self, ball: usize) -> &Bounds {
         &self.bounds[ball]

@@ -16,8 +16,8 @@ const RATE_TERMS: usize = TERMS - 1;
 /// A rate of constant direction is exact. Else theta from 0 to 1 is divided evenly into pieces, so that fast spin costs
 /// pieces here and not steps of the motion. A rate that hardly changes its direction takes Magnus steps of order 6
 /// (S. Blanes, F. Casas, J. Ros, "Improved high order integrators based on the Magnus expansion", BIT 40, 2000); where
-/// those would be many, the quaternion is summed as its own power series, of any order that the wanted error needs. What was followed is kept, so that later looks go on from there; since the pieces stand fixed,
-/// a look never changes another.
+/// those would be many, the quaternion is summed as its own power series, of any order that the wanted error needs. The pieces stand
+/// fixed, so that a look depends on its own time alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Turning {
     /// Integral of the angular velocity in powers of theta, rad; zero when sliding.
@@ -30,8 +30,6 @@ pub struct Turning {
     pub magnus: bool,
     /// Rotation that may be left out, rad.
     pub left_out: f64,
-    /// How many pieces have been followed, and the orientation there.
-    pub followed: (u32, [f64; 4]),
 }
 
 impl Turning {
@@ -42,7 +40,6 @@ impl Turning {
         pieces: 0,
         magnus: false,
         left_out: 1.0,
-        followed: (0, [0.0, 0.0, 0.0, 1.0]),
     };
 
     /// From the orientation `start` with another rate; Magnus steps in all, or each series, may leave out `left_out` rad.
@@ -52,33 +49,24 @@ impl Turning {
         let (series, steps) = (series_pieces(&turn), magnus_pieces(&turn, left_out));
         self.magnus = steps <= TURN_STEPS_PER_SERIES * series;
         self.pieces = if self.magnus { steps } else { series };
-        self.followed = (0, self.start);
-    }
-
-    /// The same course from another orientation.
-    pub fn go_on_from(&mut self, start: [f64; 4]) {
-        self.start = start;
-        self.followed = (0, start);
     }
 
     /// The orientation at `theta`.
-    pub fn at(&mut self, theta: f64) -> [f64; 4] {
+    pub fn at(&self, theta: f64) -> [f64; 4] {
         if theta == 0.0 || self.turn[1..].iter().all(|c| *c == V3::zeros()) {
             return self.start;
         }
         if self.pieces == 0 {
             return unit(compose(of_rotation_vector(along(&self.turn, theta)), self.start));
         }
+        unit(self.follow(theta))
+    }
+
+    /// The orientation at `theta`, of unit length but for the rounding of its pieces.
+    fn follow(&self, theta: f64) -> [f64; 4] {
         let h = 1.0 / f64::from(self.pieces);
         let whole = (theta / h) as u32;
-        if whole < self.followed.0 {
-            self.followed = (0, self.start);
-        }
-        let (done, mut q) = self.followed;
-        for piece in done..whole {
-            q = self.turned(q, f64::from(piece) * h, h);
-        }
-        self.followed = (whole, q);
+        let q = (0..whole).fold(self.start, |q, piece| self.turned(q, f64::from(piece) * h, h));
         let from = f64::from(whole) * h;
         if theta > from { self.turned(q, from, theta - from) } else { q }
     }
@@ -90,7 +78,7 @@ impl Turning {
         } else {
             series(&rate_from(&self.turn, from, h), self.left_out)
         };
-        unit(compose(by, q))
+        compose(by, q)
     }
 }
 
@@ -218,12 +206,25 @@ pub fn of_rotation_vector(angle: V3) -> [f64; 4] {
         doublings += 1;
     }
     let x = half.norm_squared();
-    // sin(s)/s and 1 - cos(s) for s^2 = x <= 1/16; the first terms left out are below 1e-17.
+    // sin(s)/s and 1 - cos(s) for s^2 = x <= 1/16, in 1/n!; the first terms left out are below 1e-17.
+    let series = |c: [f64; 6]| c.iter().rev().fold(0.0, |sum, c| (sum + c) * x);
     let sinc = 1.0
-        - x / 6.0
-            * (1.0 - x / 20.0 * (1.0 - x / 42.0 * (1.0 - x / 72.0 * (1.0 - x / 110.0 * (1.0 - x / 156.0)))));
-    let versine = x / 2.0
-        * (1.0 - x / 12.0 * (1.0 - x / 30.0 * (1.0 - x / 56.0 * (1.0 - x / 90.0 * (1.0 - x / 132.0)))));
+        + series([
+            -1.0 / 6.0,
+            1.0 / 120.0,
+            -1.0 / 5040.0,
+            1.0 / 362_880.0,
+            -1.0 / 39_916_800.0,
+            1.0 / 6_227_020_800.0,
+        ]);
+    let versine = series([
+        1.0 / 2.0,
+        -1.0 / 24.0,
+        1.0 / 720.0,
+        -1.0 / 40_320.0,
+        1.0 / 3_628_800.0,
+        -1.0 / 479_001_600.0,
+    ]);
     let mut v = half * sinc;
     let mut w = 1.0 - versine;
     for _ in 0..doublings {
@@ -231,8 +232,9 @@ pub fn of_rotation_vector(angle: V3) -> [f64; 4] {
         let next = w * w - v.norm_squared();
         v *= 2.0 * w;
         let length = (next * next + v.norm_squared()).sqrt();
-        v /= length;
-        w = next / length;
+        let inverse = 1.0 / length;
+        v *= inverse;
+        w = next * inverse;
     }
     [v.x, v.y, v.z, w]
 }
@@ -247,7 +249,8 @@ pub fn compose(after: [f64; 4], before: [f64; 4]) -> [f64; 4] {
 /// A quaternion brought back to unit length.
 pub fn unit(q: [f64; 4]) -> [f64; 4] {
     let length = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
-    if length > 0.0 { q.map(|x| x / length) } else { [0.0, 0.0, 0.0, 1.0] }
+    let inverse = 1.0 / length;
+    if length > 0.0 { q.map(|x| x * inverse) } else { [0.0, 0.0, 0.0, 1.0] }
 }
 
 #[cfg(test)]

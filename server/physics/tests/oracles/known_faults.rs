@@ -14,7 +14,7 @@ fn the_path_before_a_wall_is_kept() {
     scene.walls = scenes::walls([-10.0, 10.0], [-10.0, 10.0]);
     scene.balls = vec![moving("ball", 1.0, center(8.5, 0.0), 10.0, 0.0)];
     let engine = run(&scene, 10, 1, |_, _| {});
-    let ball = engine.balls()[0];
+    let ball = engine.ball(0);
     assert!((ball.center.x - 8.5).abs() < 1e-14 && ball.velocity.x == -10.0, "{ball:?}");
 }
 
@@ -25,7 +25,7 @@ fn the_path_before_a_head_on_hit_is_kept() {
     let second = BallSpec { mass: 2.0, ..moving("b", 1.0, center(3.0, 0.0), -1.0, 0.0) };
     scene.balls = vec![moving("a", 1.0, center(0.0, 0.0), 3.0, 0.0), second];
     let engine = run(&scene, 1, 1, |_, _| {});
-    let [a, b] = [engine.balls()[0], engine.balls()[1]];
+    let [a, b] = [engine.ball(0), engine.ball(1)];
     assert!((a.center.x - (0.75 - 0.75 * 7.0 / 3.0)).abs() < 1e-14, "{a:?}");
     assert!((b.center.x - (2.75 + 0.75 * 5.0 / 3.0)).abs() < 1e-14, "{b:?}");
 }
@@ -118,7 +118,7 @@ fn a_grazing_wall_hit_takes_only_the_normal_part() {
     scene.restitution = 0.5;
     scene.balls = vec![moving("ball", 0.5, center(7.0, -5.0), 0.03125, 1.0)];
     let engine = run(&scene, 1, 18, |_, _| {});
-    let ball = engine.balls()[0];
+    let ball = engine.ball(0);
     // The wall at 7.5 after 16 s; but at 12.5 s the wall y = 7.5 turns it.
     assert_eq!([ball.velocity.x, ball.velocity.y], [-0.015_625, -0.5]);
     assert!((ball.center.x - (7.5 - 2.0 / 64.0)).abs() < 1e-14, "{ball:?}");
@@ -131,7 +131,7 @@ fn restitution_is_that_of_the_normal_speeds() {
         scene.restitution = e;
         scene.balls = vec![moving("a", 1.0, center(-2.0, 0.0), 2.0, 0.0), still("b", 1.0, center(1.0, 0.0))];
         let engine = run(&scene, 1, 1, |_, _| {});
-        let [a, b] = [engine.balls()[0].velocity.x, engine.balls()[1].velocity.x];
+        let [a, b] = [engine.ball(0).velocity.x, engine.ball(1).velocity.x];
         assert!((b - a - 2.0 * e).abs() < 1e-14 && (a + b - 2.0).abs() < 1e-14, "{e}: {a} {b}");
     }
 }
@@ -224,10 +224,10 @@ fn a_held_force_does_not_depend_on_the_tick_rate() {
 fn a_push_lies_in_the_tangent_plane_and_never_raises_a_speed_above_the_limit() {
     let mut engine = load(&original());
     for second in 1..=30 {
-        let before = engine.balls()[1].velocity.norm();
+        let before = engine.ball(1).velocity.norm();
         engine.push(1, Vector2::new(1.5, -0.5), 6.0);
         engine.advance_to(engine.time().after(1e-9));
-        let ball = engine.balls()[1];
+        let ball = engine.ball(1);
         assert!(ball.velocity.norm() <= before.max(6.0) + 1e-6, "second {second}");
         assert!(ball.velocity.dot(&ball.normal).abs() < 1e-12, "second {second}");
         engine.advance_to(Time::of_seconds(f64::from(second)));
@@ -245,7 +245,7 @@ fn a_held_force_never_raises_a_speed_above_the_limit() {
     let mut fastest = 0.0_f64;
     for tick in 1..=600 {
         engine.advance_to(Time::of_tick(tick, 60));
-        fastest = fastest.max(engine.balls()[0].velocity.norm());
+        fastest = fastest.max(engine.ball(0).velocity.norm());
     }
     assert!((4.99..=5.0 + 1e-12).contains(&fastest), "{fastest}");
 }

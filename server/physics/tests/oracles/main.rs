@@ -3,6 +3,7 @@
 mod allocation;
 mod certified_floors;
 mod checkpoints;
+mod divided;
 mod known_faults;
 mod repeatable;
 mod scenes;

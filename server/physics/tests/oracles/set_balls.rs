@@ -62,7 +62,7 @@ fn energy_put_in_by_setting_balls_is_steering_work() {
 fn balls_trade_places_at_once_and_none_is_moved_when_one_cannot() {
     let mut engine = load(&bowl());
     engine.advance_to(Time::of_tick(30, 60));
-    let [a, b] = [0, 1].map(|ball| engine.balls()[ball].center);
+    let [a, b] = [0, 1].map(|ball| engine.ball(ball).center);
     let (before, hash) = (all_bits(&engine), engine.state_hash());
     let swap = [spot(&engine, 1, a.x, a.y), spot(&engine, 0, b.x, b.y)];
     assert!(matches!(engine.set_balls(&swap[..1]), Err(SeatFault::Overlap { ball: 1, other: 0, .. })));
@@ -76,7 +76,7 @@ fn balls_trade_places_at_once_and_none_is_moved_when_one_cannot() {
     assert!(matches!(engine.spot(0, Vector2::new(4.0, 0.0)), Err(SeatFault::OffFloor { ball: 0, .. })));
     assert_eq!((all_bits(&engine), engine.state_hash()), (before, hash), "a refusal left a trace");
     engine.set_balls(&swap).unwrap();
-    let [a_now, b_now] = [0, 1].map(|ball| engine.balls()[ball].center);
+    let [a_now, b_now] = [0, 1].map(|ball| engine.ball(ball).center);
     assert!((a_now - b).xy().norm() < 1e-12 && (b_now - a).xy().norm() < 1e-12);
 }
 
@@ -105,7 +105,7 @@ fn a_set_ball_meets_those_in_its_new_way_and_no_longer_those_in_its_old_one() {
     let mut engine = load(&scene);
     engine.set_balls(&[spot(&engine, 0, -4.0, 4.0)]).unwrap();
     engine.advance_to(Time::of_seconds(2.0));
-    let [a, b, c] = [0, 1, 2].map(|ball| engine.balls()[ball]);
+    let [a, b, c] = [0, 1, 2].map(|ball| engine.ball(ball));
     // Centres meet at x = -1 after 1.5 s; half a second later the struck ball is a metre on.
     assert!((c.center.x - 1.0).abs() < 1e-12 && (a.center.x + 1.0).abs() < 1e-12, "{a:?} {c:?}");
     assert_eq!(b.center.xy(), Vector2::zeros());
@@ -140,7 +140,7 @@ fn setting_all_as_at_the_start_keeps_the_clock_and_the_books() {
     let mut engine = run(&scene, 60, 120, |_, _| {});
     engine.set_as_in(&start).unwrap();
     assert_eq!(engine.time(), Time::of_tick(120, 60));
-    for (now, then) in engine.balls().iter().zip(start.balls()) {
+    for (now, then) in engine.balls().zip(start.balls()) {
         assert_eq!(
             (now.center, now.velocity, now.orientation),
             (then.center, then.velocity, then.orientation)
@@ -157,7 +157,7 @@ fn the_clock_goes_back_to_zero_under_the_balls() {
     let engine = run(&scene, 60, 90, |_, _| {});
     let fresh = engine.at_time_zero(&start);
     assert_eq!((fresh.time(), fresh.steering_work()), (Time::ZERO, 0.0));
-    for (now, then) in fresh.balls().iter().zip(engine.balls()) {
+    for (now, then) in fresh.balls().zip(engine.balls()) {
         assert!((now.center - then.center).norm() < 1e-11 && (now.velocity - then.velocity).norm() < 1e-10);
     }
 }

@@ -62,7 +62,7 @@ fn tick(engine: &mut Controller, tick: u64) {
 fn without(engine: &Controller, scene: &Scene, name: &str) -> Vec<Vec<u64>> {
     let names = engine.scene_index().iter().map(|place| &scene.balls[*place].name);
     let others = names.zip(engine.balls()).filter(|(known, _)| *known != name);
-    others.map(|(_, ball)| bits(ball)).collect()
+    others.map(|(_, ball)| bits(&ball)).collect()
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn a_ball_that_comes_at_time_zero_is_as_one_of_the_scene() {
         assert_eq!(engine.state_hash(), twin.state_hash(), "tick {t}");
     }
     let late = engine.scene_index().iter().position(|place| *place == 60).unwrap();
-    assert!(engine.balls()[late].velocity.norm() > 0.0 && twin.report().collisions.ball_ball > 100);
+    assert!(engine.ball(late).velocity.norm() > 0.0 && twin.report().collisions.ball_ball > 100);
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn a_ball_without_room_is_refused_and_the_run_goes_on_as_if_nobody_had_asked() {
     let scene = crowd();
     let mut engine = run(&scene, RATE_HZ, 90, |_, _| {});
     let (before, hash) = (all_bits(&engine), engine.state_hash());
-    let there = engine.balls()[17].center;
+    let there = engine.ball(17).center;
     let mut try_at = |x: f64, y: f64| {
         let wider = with(&scene, still("comer", 0.1, center(x, y)));
         engine.go_on_as(&mut successor(&scene, &wider).unwrap())
@@ -145,13 +145,13 @@ fn who_was_about_to_meet_one_that_leaves_goes_on_freely() {
     engine.advance_to(Time::of_seconds(1.0));
     engine.go_on_as(&mut successor(&scene, &alone).unwrap()).unwrap();
     engine.advance_to(Time::of_seconds(2.0));
-    assert!((engine.balls()[0].center.x).abs() < 1e-12, "{:?}", engine.balls());
+    assert!((engine.ball(0).center.x).abs() < 1e-12, "{:?}", engine.ball(0));
     assert_eq!(engine.report().collisions.ball_ball, 0);
     // And the last may leave too.
     let empty = Scene { balls: vec![], ..alone.clone() };
     engine.go_on_as(&mut successor(&alone, &empty).unwrap()).unwrap();
     engine.advance_to(Time::of_seconds(3.0));
-    assert!(engine.balls().is_empty() && engine.energy() == 0.0);
+    assert!(engine.balls().len() == 0 && engine.energy() == 0.0);
 }
 
 /// A floor with one control point raised.
@@ -189,16 +189,17 @@ fn the_books_balance_over_balls_floors_and_laws_that_come_and_go() {
 
 #[test]
 fn balls_keep_x_y_spin_and_orientation_when_the_floor_moves_under_them() {
-    let scene = as_net(&crowd());
+    // Few enough that no two stand so close that a flatter place makes them overlap.
+    let scene = as_net(&Scene { balls: cloud(20, [0.05, 0.12], 1.8, 1.0, 3), ..crowd() });
     let moved = raised(&scene, 0.3);
     let mut engine = run(&scene, RATE_HZ, 120, |_, _| {});
-    let before = engine.balls().to_vec();
+    let before = engine.balls().collect::<Vec<_>>();
     assert_eq!(engine.go_on_as(&mut successor(&scene, &moved).unwrap()), Ok(0));
-    for (now, then) in engine.balls().iter().zip(&before) {
+    for (now, then) in engine.balls().zip(&before) {
         assert!((now.center - then.center).xy().norm() < 1e-11, "{now:?} {then:?}");
         let w = then.velocity - now.normal * then.velocity.dot(&now.normal);
         assert!((now.velocity - w).norm() < 1e-11);
-        let spins = [now, then].map(|ball| ball.omega.dot(&ball.normal));
+        let spins = [now, *then].map(|ball| ball.omega.dot(&ball.normal));
         assert!((spins[0] - spins[1]).abs() < 1e-10 && now.orientation == then.orientation);
         let foot = engine.patch().jet(now.uv.x, now.uv.y).point;
         assert!(((now.center - foot).normalize() - now.normal).norm() < 1e-9, "it lies on the new floor");

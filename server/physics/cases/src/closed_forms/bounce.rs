@@ -68,7 +68,7 @@ fn measure(kind: Kind, e: f64) -> Result<[f64; 5], SceneFault> {
                 (0.0, t - first * hit_time(e, n - 1))
             };
             let up = rise + since * (speed * e.powi(n) - 0.5 * a * since);
-            largest[1].see_center(&engine.balls()[0], wall + uphill * up);
+            largest[1].see_center(&engine.ball(0), wall + uphill * up);
         }
     })?;
     let exact_path = DISTANCE * (1.0 + e * e) / (1.0 - e * e);

@@ -38,7 +38,7 @@ fn measure(kind: Kind, spin: f64) -> Result<[f64; 4], SceneFault> {
     let mut largest = [Largest::default(); 4];
     run(&scene, 60, (60.0 * SECONDS) as u64, |tick, engine| {
         let t = tick as f64 / 60.0;
-        let ball = engine.balls()[0];
+        let ball = engine.ball(0);
         let (sin, cos) = (rate * t).sin_cos();
         largest[0].see_center(&ball, Vector3::new(rho * cos, rho * sin, height));
         largest[1].see((ball.velocity - Vector3::new(-sin, cos, 0.0) * (rho * rate)).norm());

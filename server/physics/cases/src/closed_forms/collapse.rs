@@ -97,7 +97,7 @@ fn below(beads: usize, e: f64) -> Result<[f64; 2], SceneFault> {
     let ends = recursion(beads, e, 1.0).is_some();
     let engine = run(&scene(beads, e, 1.0), 1, 60, |_, _| {})?;
     let mut largest = Largest::default();
-    engine.balls().iter().for_each(|ball| largest.see(ball.velocity.norm()));
+    engine.balls().for_each(|ball| largest.see(ball.velocity.norm()));
     Ok([miscount(u64::from(ends), 0), largest.value()])
 }
 

@@ -33,7 +33,7 @@ fn thrown(kind: Kind, spin: f64) -> Result<[f64; 4], SceneFault> {
     let mut largest = [Largest::default(); 4];
     run(&scene(kind, velocity, spin), 60, (60.0 * SECONDS) as u64, |tick, engine| {
         let t = tick as f64 / 60.0;
-        let ball = engine.balls()[0];
+        let ball = engine.ball(0);
         largest[0].see_center(&ball, start + velocity * t + acceleration(kind) * (0.5 * t * t));
         largest[1].see((ball.velocity - (velocity + acceleration(kind) * t)).norm());
         if kind.motion == MotionLaw::Rolling {
@@ -51,7 +51,7 @@ fn straight_down(kind: Kind) -> Result<[f64; 1], SceneFault> {
     run(&scene(kind, Vector3::zeros(), 0.0), 60, (60.0 * SECONDS) as u64, |tick, engine| {
         let t = tick as f64 / 60.0;
         let exact = UnitQuaternion::from_scaled_axis(axis * (0.5 * t * t / 0.5));
-        largest.see(angle_between(&engine.balls()[0], &exact));
+        largest.see(angle_between(&engine.ball(0), &exact));
     })?;
     Ok([largest.value()])
 }

@@ -32,7 +32,7 @@ fn along_a_cylinder(kind: Kind, spin: f64) -> Result<[f64; 2], SceneFault> {
     let mut first = None;
     let mut largest = [Largest::default(); 2];
     run(&scene, RATE_HZ, (f64::from(RATE_HZ) * SECONDS) as u64, |_, engine| {
-        let ball = engine.balls()[0];
+        let ball = engine.ball(0);
         let theta = ball.normal.x.atan2(ball.normal.z);
         let sigma = r * ball.omega.dot(&ball.normal);
         let phase = (lambda * sigma).atan2(ball.velocity.y) + lambda * theta;
@@ -76,7 +76,7 @@ fn on_revolution(kind: Kind, floor: Revolution, spin: f64) -> Result<[f64; 2], S
     let mut exact: Option<(f64, Vector2<f64>)> = None;
     let mut largest = [Largest::default(); 2];
     run(&scene, RATE_HZ, (f64::from(RATE_HZ) * SECONDS) as u64, |_, engine| {
-        let ball = engine.balls()[0];
+        let ball = engine.ball(0);
         let theta = ball.normal.xy().norm().atan2(ball.normal.z);
         let (c, w) = (ball.center, ball.velocity);
         let own = Vector2::new(c.x * w.y - c.y * w.x, r * ball.omega.dot(&ball.normal));

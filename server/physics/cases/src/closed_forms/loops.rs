@@ -29,7 +29,7 @@ fn square(laps: u32, spin: f64) -> Result<[f64; 2], SceneFault> {
     let mut exact = UnitQuaternion::identity();
     let mut largest = [Largest::default(); 2];
     run(&scene, 1, u64::from(4 * laps), |tick, engine| {
-        let ball = engine.balls()[0];
+        let ball = engine.ball(0);
         if tick > 0 {
             exact = side(tick as u32 - 1) * exact;
         }
@@ -49,7 +49,7 @@ fn million(kind: Kind) -> Result<[f64; 2], SceneFault> {
         [(2, 0, 0.2), (0, 2, 0.15), (1, 1, 0.05), (3, 0, -0.03), (1, 2, 0.02), (2, 2, 0.01), (0, 4, 0.004)];
     let mut largest = [Largest::default(); 2];
     run(&with(graph(3.0, &bumps, kind.motion), ball), 1000, 1_000_000, |_, engine| {
-        let ball = engine.balls()[0];
+        let ball = engine.ball(0);
         let square: f64 = ball.orientation.iter().map(|x| x * x).sum();
         largest[0].see(square.sqrt() - 1.0);
         largest[1].see((ball.velocity - ball.omega.cross(&(ball.normal * 0.25))).norm());

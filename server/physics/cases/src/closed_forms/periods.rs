@@ -10,14 +10,14 @@ use nalgebra::Vector3;
 /// Back at rest where it was released after a period: by what time it misses rest, s, and by how much the place, m.
 fn missed(scene: &Scene, period: f64) -> Result<[f64; 2], SceneFault> {
     let mut engine = Controller::new(scene)?;
-    let start = engine.balls()[0];
+    let start = engine.ball(0);
     let step = 1e-3;
     engine.advance_to(Time::of_seconds(step));
-    let acceleration = engine.balls()[0].velocity.norm() / step;
+    let acceleration = engine.ball(0).velocity.norm() / step;
     // Early and late ticks between must not matter.
     engine.advance_to(Time::of_seconds(0.7 * period));
     engine.advance_to(Time::of_seconds(period));
-    let ball = engine.balls()[0];
+    let ball = engine.ball(0);
     Ok([ball.velocity.norm() / acceleration, (ball.center - start.center).norm()])
 }
 
@@ -28,7 +28,7 @@ fn turn(scene: &Scene, guess: f64) -> Result<f64, SceneFault> {
     let pace = |t: f64| {
         let mut engine = before.clone();
         engine.advance_to(Time::of_seconds(t));
-        let ball = engine.balls()[0];
+        let ball = engine.ball(0);
         ball.center.xy().dot(&ball.velocity.xy())
     };
     let (mut last, mut t) = (guess - 0.01, guess);

@@ -33,7 +33,7 @@ fn path(
     // The error asked for is in metres, of a motion of millimetres.
     scene.accuracy = Accuracy::Tolerance(1e-13);
     let mut out = vec![];
-    run(&scene, RATE_HZ, ticks, |_, engine| out.push(engine.balls()[0].center.xy()))?;
+    run(&scene, RATE_HZ, ticks, |_, engine| out.push(engine.ball(0).center.xy()))?;
     let first = out[0].x;
     Ok(out.into_iter().map(|place| place / first).collect())
 }

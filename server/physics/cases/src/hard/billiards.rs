@@ -42,7 +42,7 @@ fn corner(motion: MotionLaw) -> Result<[f64; 1], SceneFault> {
     let mut largest = Largest::default();
     run(&scene, 60, 1200, |tick, engine| {
         for x in rods(&[(4.5, 3.0)], 0.5, [-8.0, 8.0], tick as f64 / 60.0) {
-            largest.see_center(&engine.balls()[0], Vector3::new(x, x, 0.5));
+            largest.see_center(&engine.ball(0), Vector3::new(x, x, 0.5));
         }
     })?;
     Ok([largest.value()])
@@ -98,7 +98,7 @@ fn wedge(n: u32, paths: u32, motion: MotionLaw) -> Result<[f64; 2], SceneFault> 
         scene.balls = vec![ball(from, velocity)];
         let engine = run(&scene, 16, 64, |tick, engine| {
             let unfolded = from + velocity * (tick as f64 / 16.0);
-            largest.see_center(&engine.balls()[0], over(wedge.fold(unfolded)));
+            largest.see_center(&engine.ball(0), over(wedge.fold(unfolded)));
         })?;
         if !apex_aimed {
             // Sides crossed between the angles at the start and at the end, whichever way the path turns.
@@ -163,7 +163,7 @@ fn triangle(motion: MotionLaw) -> Result<[f64; 2], SceneFault> {
     let at = |t: f64| Hexagonal { x: from.x + speed.x * t, y: from.y + speed.y * t };
     let mut largest = Largest::default();
     let engine = run(&scene, 16, 16 * 1000, |tick, engine| {
-        largest.see_center(&engine.balls()[0], over(at(tick as f64 / 16.0).folded().point()));
+        largest.see_center(&engine.ball(0), over(at(tick as f64 / 16.0).folded().point()));
     })?;
     // Mirrors y = 4 n, y = x + 4 + 8 n and y = 4 - x + 8 n, in units of a side of 8.
     let (begin, end) = (at(0.0), at(1000.0));
@@ -191,7 +191,7 @@ fn closed_path(sides: u32, motion: MotionLaw) -> Result<[f64; 2], SceneFault> {
     let seconds = (1000.0 * chord / speed).floor();
     let mut largest = Largest::default();
     let engine = run(&scene, 16, 16 * seconds as u64, |tick, engine| {
-        largest.see_center(&engine.balls()[0], over(place(tick as f64 / 16.0)));
+        largest.see_center(&engine.ball(0), over(place(tick as f64 / 16.0)));
     })?;
     Ok([largest.value(), miscount(hits(&engine), (speed * seconds / chord + 0.5).floor() as u64)])
 }
@@ -215,7 +215,7 @@ fn mirrors(count: u32, motion: MotionLaw) -> Result<[f64; 2], SceneFault> {
         let hit = (from - point).dot(&normal) / closing;
         let after = velocity + normal * (2.0 * closing);
         let engine = run(&scene, 1, 16, |_, _| {})?;
-        let end = engine.balls()[0];
+        let end = engine.ball(0);
         largest[0].see((end.velocity.xy() - after).norm() / 3.0);
         largest[1].see_center(&end, over(from + velocity * hit + after * (16.0 - hit)));
     }
@@ -232,7 +232,7 @@ fn channel(angle: f64) -> Result<[f64; 2], SceneFault> {
     scene.balls = vec![ball(from, along * 3.0)];
     let mut largest = Largest::default();
     let engine = run(&scene, 60, 600, |tick, engine| {
-        largest.see_center(&engine.balls()[0], over(from + along * (0.05 * tick as f64)));
+        largest.see_center(&engine.ball(0), over(from + along * (0.05 * tick as f64)));
     })?;
     // Where the angle is no exact number, rounding may close on one of the two walls.
     Ok([hits(&engine).saturating_sub(if angle == 0.0 { 0 } else { 2 }) as f64, largest.value()])
@@ -246,7 +246,7 @@ fn to_and_fro() -> Result<[f64; 2], SceneFault> {
     scene.balls = vec![ball(V2::new(0.3, 0.7), V2::new(16.0, 0.0))];
     let mut largest = Largest::default();
     let engine = run(&scene, 1, 125_000, |_, engine| {
-        largest.see_center(&engine.balls()[0], over(V2::new(0.3, 0.7)));
+        largest.see_center(&engine.ball(0), over(V2::new(0.3, 0.7)));
     })?;
     Ok([largest.value(), miscount(hits(&engine), 1_000_000)])
 }

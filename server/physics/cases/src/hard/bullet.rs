@@ -22,8 +22,8 @@ fn bullet() -> Result<[f64; 1], SceneFault> {
         .collect();
     let mut largest = Largest::default();
     run(&scene, 60, 60, |tick, engine| {
-        for (ball, x) in engine.balls().iter().zip(rods(&starts, radius, [-8.0, 8.0], tick as f64 / 60.0)) {
-            largest.see_center(ball, Vector3::new(x, 0.0, radius));
+        for (ball, x) in engine.balls().zip(rods(&starts, radius, [-8.0, 8.0], tick as f64 / 60.0)) {
+            largest.see_center(&ball, Vector3::new(x, 0.0, radius));
         }
     })?;
     Ok([largest.value()])
@@ -39,7 +39,7 @@ fn speck() -> Result<[f64; 2], SceneFault> {
     let engine = run(&scene, 1, 16, |_, _| {})?;
     let (sin, cos) = (0.5, 0.75_f64.sqrt());
     let exact = [Vector3::new(sin * sin, sin * cos, 0.0) * v, Vector3::new(cos * cos, -sin * cos, 0.0) * v];
-    let [a, b] = [engine.balls()[0].velocity, engine.balls()[1].velocity];
+    let [a, b] = [engine.ball(0).velocity, engine.ball(1).velocity];
     Ok([(a - exact[0]).norm() / v, (b - exact[1]).norm() / v])
 }
 
@@ -152,7 +152,7 @@ fn tangency() -> Result<[f64; 1], SceneFault> {
     let mut scene = plane(16.0);
     scene.balls = vec![moving("a", 0.5, center(-5.0, 1.0), 3.0, 0.0), still("b", 0.5, center(0.0, 0.0))];
     let engine = run(&scene, 60, 180, |_, _| {})?;
-    Ok([(engine.balls()[0].velocity - Vector3::new(3.0, 0.0, 0.0)).norm() / 3.0])
+    Ok([(engine.ball(0).velocity - Vector3::new(3.0, 0.0, 0.0)).norm() / 3.0])
 }
 
 /// A ball onto one a thousand times as large and 1e9 times as heavy: errors of both places after 2 s, m. The centres lie

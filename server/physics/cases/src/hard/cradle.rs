@@ -25,10 +25,10 @@ fn as_many_leave(count: usize, swung: usize, motion: MotionLaw) -> Result<[f64; 
     let mut largest = Largest::default();
     run(&cradle(count, swung, motion), 60, 180, |tick, engine| {
         let t = tick as f64 / 60.0;
-        for (n, ball) in engine.balls().iter().enumerate() {
+        for (n, ball) in engine.balls().enumerate() {
             let came = if n < swung { 2.0 * t.min(0.5) - 1.0 } else { 0.0 };
             let left = if n >= count - swung { 2.0 * (t - 0.5).max(0.0) } else { 0.0 };
-            largest.see_center(ball, Vector3::new(n as f64 + came + left, 0.0, 0.5));
+            largest.see_center(&ball, Vector3::new(n as f64 + came + left, 0.0, 0.5));
         }
     })?;
     Ok([largest.value()])
@@ -52,8 +52,8 @@ fn together(noise: f64) -> Result<[f64; 1], SceneFault> {
     }
     let mut largest = Largest::default();
     run(&scene, 60, 60, |tick, engine| {
-        for (n, ball) in engine.balls().iter().enumerate() {
-            largest.see_center(ball, Vector3::new(n as f64 + 2.0 * tick as f64 / 60.0, 0.0, 0.5));
+        for (n, ball) in engine.balls().enumerate() {
+            largest.see_center(&ball, Vector3::new(n as f64 + 2.0 * tick as f64 / 60.0, 0.0, 0.5));
         }
     })?;
     Ok([largest.value()])
@@ -71,8 +71,8 @@ fn with_gaps(starts: &[(f64, f64)], seconds: u64) -> Result<[f64; 1], SceneFault
     let mut largest = Largest::default();
     run(&scene, 60, 60 * seconds, |tick, engine| {
         let exact = rods(starts, radius, [-16.0, 16.0], tick as f64 / 60.0);
-        for (ball, x) in engine.balls().iter().zip(exact) {
-            largest.see_center(ball, Vector3::new(x, 0.0, radius));
+        for (ball, x) in engine.balls().zip(exact) {
+            largest.see_center(&ball, Vector3::new(x, 0.0, radius));
         }
     })?;
     Ok([largest.value()])
@@ -95,8 +95,8 @@ fn trains(first: usize, second: usize) -> Result<[f64; 1], SceneFault> {
     scene.balls = starts.iter().enumerate().map(ball).collect();
     let mut largest = Largest::default();
     run(&scene, 60, 1200, |tick, engine| {
-        for (ball, x) in engine.balls().iter().zip(rods(&starts, radius, [-16.0, 16.0], tick as f64 / 60.0)) {
-            largest.see_center(ball, Vector3::new(x, 0.0, radius));
+        for (ball, x) in engine.balls().zip(rods(&starts, radius, [-16.0, 16.0], tick as f64 / 60.0)) {
+            largest.see_center(&ball, Vector3::new(x, 0.0, radius));
         }
     })?;
     Ok([largest.value()])

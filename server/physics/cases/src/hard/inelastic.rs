@@ -61,9 +61,9 @@ fn below_collapse(count: u32) -> Result<[f64; 3], SceneFault> {
         let energy = engine.energy();
         rises += f64::from(u8::from(energy > before * (1.0 + 1e-15)));
         before = energy;
-        overlap.see((0.25 - engine.balls().iter().map(|ball| ball.center.x).fold(0.25, f64::min)).max(0.0));
-        for (n, ball) in engine.balls().iter().enumerate() {
-            for other in &engine.balls()[..n] {
+        overlap.see((0.25 - engine.balls().map(|ball| ball.center.x).fold(0.25, f64::min)).max(0.0));
+        for (n, ball) in engine.balls().enumerate() {
+            for other in engine.balls().take(n) {
                 overlap.see((0.5 - (ball.center - other.center).norm()).max(0.0));
             }
         }

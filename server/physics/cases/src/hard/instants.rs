@@ -48,7 +48,7 @@ fn at_the_tick(rate_hz: u32) -> Result<[f64; 3], SceneFault> {
     scene.balls = vec![moving("a", 0.5, center(0.0, 0.0), 2.0, 0.0), still("b", 0.5, center(2.0, 0.0))];
     let half = u64::from(rate_hz / 2);
     let engine = run(&scene, rate_hz, half, |_, _| {})?;
-    let [a, b] = [engine.balls()[0], engine.balls()[1]];
+    let [a, b] = [engine.ball(0), engine.ball(1)];
     let place = (a.center.x - 1.0).abs().max((b.center.x - 2.0).abs());
     let velocity = a.velocity.x.abs().max((b.velocity.x - 2.0).abs());
     Ok([miscount(hits(&engine), 1), place, velocity])
@@ -68,7 +68,7 @@ fn after_a_push(start: f64) -> Result<Vec<Vec<u64>>, SceneFault> {
     let mut seen = vec![];
     for tick in 1..=512 {
         engine.advance_to(Time::of_seconds(start).after(f64::from(tick) / 64.0));
-        seen.push(engine.balls().iter().flat_map(|ball| bits(ball)[..9].to_vec()).collect());
+        seen.push(engine.balls().flat_map(|ball| bits(&ball)[..9].to_vec()).collect());
     }
     Ok(seen)
 }
@@ -103,7 +103,7 @@ fn exchange_with_spin() -> Result<[f64; 2], SceneFault> {
         BallSpec { spin: spin[1], ..moving("b", 0.5, center(2.0, 1.0), -0.7, 0.0) },
     ];
     let engine = run(&scene, 60, 180, |_, _| {})?;
-    let [a, b] = [engine.balls()[0], engine.balls()[1]];
+    let [a, b] = [engine.ball(0), engine.ball(1)];
     let velocity = (a.velocity.x + 0.7).abs().max((b.velocity.x - 3.0).abs()) / 3.0;
     let spins = (a.omega.z / spin[0] - 1.0).abs().max((b.omega.z / spin[1] - 1.0).abs());
     Ok([velocity, spins])
@@ -137,7 +137,7 @@ fn random_hits(count: u32, motion: MotionLaw) -> Result<[f64; 2], SceneFault> {
             velocities[1] + line * (2.0 * masses[0] / total * closing),
         ];
         missed += u32::from(engine.report().collisions.ball_ball != 1);
-        for (ball, exact) in engine.balls().iter().zip(exact) {
+        for (ball, exact) in engine.balls().zip(exact) {
             largest.see((ball.velocity.xy() - exact).norm() / (speed + 1.0));
         }
     }
@@ -158,7 +158,7 @@ fn unlike_masses() -> Result<[f64; 1], SceneFault> {
         let (total, closing) = (mass[0] + mass[1], speeds[0] - speeds[1]);
         let exact =
             [speeds[0] - 2.0 * mass[1] / total * closing, speeds[1] + 2.0 * mass[0] / total * closing];
-        for (ball, exact) in engine.balls().iter().zip(exact) {
+        for (ball, exact) in engine.balls().zip(exact) {
             largest.see((ball.velocity.x - exact) / exact);
         }
     }
@@ -170,7 +170,7 @@ fn slow(speed: f64) -> Result<[f64; 1], SceneFault> {
     let mut scene = plane(8.0);
     scene.balls = vec![moving("a", 0.5, center(0.0, 0.0), speed, 0.0), still("b", 0.5, center(1.25, 0.0))];
     let engine = run(&scene, 1, (0.5 / speed) as u64, |_, _| {})?;
-    let [a, b] = [engine.balls()[0].velocity, engine.balls()[1].velocity];
+    let [a, b] = [engine.ball(0).velocity, engine.ball(1).velocity];
     Ok([(a.norm() / speed).max((b - Vector3::x() * speed).norm() / speed)])
 }
 

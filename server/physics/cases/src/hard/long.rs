@@ -9,9 +9,7 @@ use crate::scenes::{
     all_bits, center, cloud, contact, graph, in_list_order, moving, original, plane, still, walls,
 };
 use ballroom_physics::surface::bezier::BezierPatch;
-use ballroom_physics::{
-    Accuracy, BallState, Controller, Drive, Floor, MotionLaw, Place, Scene, SceneFault, Time,
-};
+use ballroom_physics::{Accuracy, Controller, Drive, Floor, MotionLaw, Place, Scene, SceneFault, Time};
 use nalgebra::{Vector2, Vector3};
 
 /// A crowd of mixed radii that rolls in a box.
@@ -46,9 +44,9 @@ fn reversed(scene: &Scene, engine: &Controller) -> Scene {
     scene
 }
 
-fn farthest(a: &[BallState], b: &[BallState]) -> f64 {
+fn farthest(a: &Controller, b: &Controller) -> f64 {
     let mut largest = Largest::default();
-    a.iter().zip(b).for_each(|(a, b)| largest.see_center(a, b.center));
+    a.balls().zip(b.balls()).for_each(|(a, b)| largest.see_center(&a, b.center));
     largest.value()
 }
 
@@ -65,9 +63,9 @@ fn reversal(scene: &Scene, seconds: u64) -> Result<[f64; 2], SceneFault> {
             p.y += SHIFT;
         }
     }
-    let growth = farthest(run(&shifted, 1, seconds, |_, _| {})?.balls(), there.balls()) / SHIFT;
+    let growth = farthest(&run(&shifted, 1, seconds, |_, _| {})?, &there) / SHIFT;
     let few = 10_u64.saturating_sub(there.report().collisions.ball_ball);
-    Ok([farthest(back.balls(), start.balls()) / growth.max(1.0), few as f64])
+    Ok([farthest(&back, &start) / growth.max(1.0), few as f64])
 }
 
 fn reversible(terms: &[(usize, usize, f64)]) -> Scene {
@@ -106,7 +104,7 @@ fn far_rods() -> Result<[f64; 1], SceneFault> {
     scene.balls = starts.iter().enumerate().map(ball).collect();
     let mut largest = Largest::default();
     run(&scene, 60, 1200, |tick, engine| {
-        for (ball, x) in engine.balls().iter().zip(rods(&starts, 0.5, [-8.0, 8.0], tick as f64 / 60.0)) {
+        for (ball, x) in engine.balls().zip(rods(&starts, 0.5, [-8.0, 8.0], tick as f64 / 60.0)) {
             let near = ball.center - Vector3::new(FAR, FAR, 0.0);
             largest.see((near - Vector3::new(x, 0.0, 0.5)).norm());
         }
@@ -138,7 +136,7 @@ fn far_bowl() -> Result<[f64; 1], SceneFault> {
     let mut largest = Largest::default();
     run(&scene(0.0), 60, 1200, |tick, engine| {
         far.advance_to(Time::of_tick(tick, 60));
-        largest.see_center(&engine.balls()[0], far.balls()[0].center - Vector3::new(FAR, FAR, 0.0));
+        largest.see_center(&engine.ball(0), far.ball(0).center - Vector3::new(FAR, FAR, 0.0));
     })?;
     Ok([largest.value()])
 }
@@ -157,7 +155,7 @@ fn horizon(horizon: f64) -> Result<[f64; 1], SceneFault> {
         if 2.0 * f64::from(*hits) / START.len() as f64 > horizon {
             return;
         }
-        for (ball, place) in engine.balls().iter().zip(places.chunks_exact(2)) {
+        for (ball, place) in engine.balls().zip(places.chunks_exact(2)) {
             largest.see((ball.center.xy() - Vector2::new(place[0], place[1])).norm() / 0.5);
         }
     })?;
@@ -181,7 +179,7 @@ fn flips(rate_hz: u32, motion: MotionLaw) -> Result<[f64; 1], SceneFault> {
         let acceleration = direction * (6.0 / (1.0 + k));
         place += velocity * dt + acceleration * (0.5 * dt * dt);
         velocity += acceleration * dt;
-        largest.see_center(&engine.balls()[0], Vector3::new(place.x, place.y, 0.5));
+        largest.see_center(&engine.ball(0), Vector3::new(place.x, place.y, 0.5));
     }
     Ok([largest.value()])
 }
@@ -198,7 +196,7 @@ fn patient() -> Result<[f64; 1], SceneFault> {
     engine.advance_to(Time::of_tick(20_000, 60));
     let pause = 10_000.0 / 60.0;
     let exact = Vector3::new(1.0 + 0.75 * pause, 2.0 + 0.375 * pause, 0.5);
-    Ok([(engine.balls()[0].center - exact).norm()])
+    Ok([(engine.ball(0).center - exact).norm()])
 }
 
 /// The cases of this family.

@@ -28,10 +28,9 @@ fn a_fifth_back(motion: MotionLaw) -> Result<[f64; 1], SceneFault> {
         let aside = out * 0.5 * after;
         let along = out * 0.75_f64.sqrt() * after;
         let first = -2.0 + v * t.min(hit) - v / 5.0 * after;
-        for (ball, [x, y]) in
-            engine.balls().iter().zip([[first, 0.0], [along, -0.5 - aside], [along, 0.5 + aside]])
+        for (ball, [x, y]) in engine.balls().zip([[first, 0.0], [along, -0.5 - aside], [along, 0.5 + aside]])
         {
-            largest.see_center(ball, Vector3::new(x, y, 0.5));
+            largest.see_center(&ball, Vector3::new(x, y, 0.5));
         }
     })?;
     Ok([largest.value()])
@@ -54,9 +53,9 @@ fn meet_in_a_ring(count: usize) -> Result<[f64; 1], SceneFault> {
     let mut largest = Largest::default();
     run(&scene, 60, 240, |tick, engine| {
         let away = 3.0 * (tick as f64 / 60.0 - 1.0).abs();
-        for (n, ball) in engine.balls().iter().enumerate() {
+        for (n, ball) in engine.balls().enumerate() {
             let exact = direction(n) * (touching + away);
-            largest.see_center(ball, Vector3::new(exact.x, exact.y, radius));
+            largest.see_center(&ball, Vector3::new(exact.x, exact.y, radius));
         }
     })?;
     Ok([largest.value()])
@@ -75,8 +74,8 @@ fn meet_in_a_bowl(count: usize) -> Result<[f64; 3], SceneFault> {
     let (mut symmetry, mut energy) = (Largest::default(), Drift::default());
     let engine = run(&scene, 60, 300, |_, engine| {
         energy.see(engine.energy());
-        for (n, ball) in engine.balls().iter().enumerate() {
-            symmetry.see_center(ball, turn(n) * engine.balls()[0].center);
+        for (n, ball) in engine.balls().enumerate() {
+            symmetry.see_center(&ball, turn(n) * engine.ball(0).center);
         }
     })?;
     let few = 3_u64.saturating_sub(engine.report().clusters);
@@ -93,7 +92,7 @@ fn squeezed() -> Result<[f64; 1], SceneFault> {
     ];
     let engine = run(&scene, 60, 30, |_, _| {})?;
     let mut largest = Largest::default();
-    for (ball, exact) in engine.balls().iter().zip([-6.0, 0.0, 6.0]) {
+    for (ball, exact) in engine.balls().zip([-6.0, 0.0, 6.0]) {
         largest.see(ball.velocity.x - exact);
     }
     Ok([largest.value()])
@@ -105,7 +104,7 @@ fn approaching_at_the_start() -> Result<[f64; 1], SceneFault> {
     scene.balls =
         vec![moving("a", 1.0, center(-1.0, 0.0), 2.0, 0.0), moving("b", 1.0, center(1.0, 0.0), -2.0, 0.0)];
     let engine = run(&scene, 60, 60, |_, _| {})?;
-    Ok([(engine.balls()[0].center.x + 3.0).abs()])
+    Ok([(engine.ball(0).center.x + 3.0).abs()])
 }
 
 /// Fifteen touching balls in a triangle and one that comes along its axis, y, but for `aside`.
@@ -153,7 +152,7 @@ fn hexagon(rings: i32) -> Result<[f64; 3], SceneFault> {
     scene.balls.push(moving("hits", 0.5, center(-3.0 - f64::from(rings), 0.3), 8.0, 1.0));
     let mut drifts = [Drift::default(); 3];
     run(&scene, 60, 240, |_, engine| {
-        let sum: Vector3<f64> = engine.balls().iter().map(|ball| ball.velocity).sum();
+        let sum: Vector3<f64> = engine.balls().map(|ball| ball.velocity).sum();
         let kept = [engine.energy(), sum.x, sum.y];
         drifts.iter_mut().zip(kept).for_each(|(drift, value)| drift.see(value));
     })?;

@@ -109,7 +109,7 @@ fn unlike_at_once() -> Result<[f64; 1], SceneFault> {
         scene.balls.push(moving(&format!("{n}"), 0.5, center(n as f64 - 2.0 * v, 0.0), *v, 0.0));
     }
     let engine = run(&scene, 1, 3, |_, _| {})?;
-    let last = engine.balls().iter().zip(speeds.iter().rev());
+    let last = engine.balls().zip(speeds.iter().rev());
     Ok([last.map(|(ball, exact)| (ball.velocity.x - exact).abs()).fold(0.0, f64::max)])
 }
 

@@ -22,7 +22,7 @@ fn just_fits() -> Result<[f64; 2], SceneFault> {
     let (mut energy, mut lost) = (Drift::default(), 0);
     run(&tight_bowl(0.99), 60, 1200, |_, engine| {
         energy.see(engine.energy());
-        lost += u32::from(!engine.balls()[0].center.iter().all(|x| x.is_finite()));
+        lost += u32::from(!engine.ball(0).center.iter().all(|x| x.is_finite()));
     })?;
     Ok([f64::from(lost), energy.value()])
 }
@@ -101,7 +101,7 @@ fn warp(motion: MotionLaw) -> Result<[f64; 1], SceneFault> {
     let mut largest = Largest::default();
     run(&straight, 60, 180, |tick, engine| {
         other.advance_to(Time::of_tick(tick, 60));
-        largest.see_center(&engine.balls()[0], other.balls()[0].center);
+        largest.see_center(&engine.ball(0), other.ball(0).center);
     })?;
     Ok([largest.value()])
 }
@@ -112,7 +112,7 @@ fn along_a_border(scene: &Scene, seconds: u64) -> Result<[f64; 2], SceneFault> {
     let mut ends = 0;
     let mut before = scene.balls[0].velocity.x;
     let engine = run(scene, 64, 64 * seconds, |_, engine| {
-        let ball = engine.balls()[0];
+        let ball = engine.ball(0);
         largest.see(ball.center.y - 7.5);
         ends += u64::from(ball.velocity.x * before < 0.0);
         before = ball.velocity.x;
@@ -131,7 +131,7 @@ fn along_the_curved_border() -> Result<[f64; 2], SceneFault> {
     let mut scene = graph(8.0, &[(2, 0, 0.0625)], MotionLaw::Rolling);
     scene.balls = vec![moving("ball", 0.5, center(-4.0, 7.5), 0.5, 0.0)];
     let mut largest = Largest::default();
-    let engine = run(&scene, 60, 3600, |_, engine| largest.see(engine.balls()[0].center.y - 7.5))?;
+    let engine = run(&scene, 60, 3600, |_, engine| largest.see(engine.ball(0).center.y - 7.5))?;
     Ok([hits(&engine) as f64, largest.value()])
 }
 
@@ -146,7 +146,7 @@ fn along_a_leaning_wall() -> Result<[f64; 2], SceneFault> {
     let mut largest = Largest::default();
     let engine = run(&scene, 60, 1200, |tick, engine| {
         let exact = from + along * (2.0 * tick as f64 / 60.0);
-        largest.see_center(&engine.balls()[0], Vector3::new(exact.x, exact.y, 0.5));
+        largest.see_center(&engine.ball(0), Vector3::new(exact.x, exact.y, 0.5));
     })?;
     Ok([hits(&engine).saturating_sub(1) as f64, largest.value()])
 }
@@ -178,7 +178,7 @@ fn off_a_saddle(motion: MotionLaw) -> Result<[f64; 1], SceneFault> {
     let mut largest = Largest::default();
     run(&scene, 60, 180, |tick, engine| {
         let exact = offset * (lambda * tick as f64 / 60.0).cosh();
-        largest.see((engine.balls()[0].center.xy() - Vector2::new(0.0, exact)).norm() / exact);
+        largest.see((engine.ball(0).center.xy() - Vector2::new(0.0, exact)).norm() / exact);
     })?;
     Ok([largest.value()])
 }
@@ -205,7 +205,7 @@ fn spin_on_a_hill(factor: f64) -> Result<[f64; 1], SceneFault> {
         };
         let (sin, cos) = (p * t).sin_cos();
         let exact = Vector2::new(even * cos + odd * sin, even * sin - odd * cos) * offset;
-        largest.see((engine.balls()[0].center.xy() - exact).norm() / exact.norm());
+        largest.see((engine.ball(0).center.xy() - exact).norm() / exact.norm());
     })?;
     Ok([largest.value()])
 }

@@ -1,0 +1,121 @@
+//! What a gas costs, on a bowl and on a plane, for 100 to 100 000 balls:
+//! `cargo bench -p ballroom-physics --bench gas -- [bowl|plane] [balls ...] [--seconds S] [--look]`.
+//!
+//! Each run is advanced by ticks of 60 Hz for S simulated seconds (2, or fewer for many balls) after half a second of
+//! warming up. Nothing but the last state is looked at; with `--look` every ball is read at every tick, orientation
+//! and all. CPU is the process's own time. Overlap is the deepest at any impact, in radii; energy the relative change.
+//! The exponent is the slope of the logarithms of cost and number by least squares.
+
+use ballroom_cases::gas;
+use ballroom_physics::{Controller, Report, Scene, Time};
+use cpu_time::ProcessTime;
+
+const RATE_HZ: u64 = 60;
+const WARM_UP_TICKS: u64 = RATE_HZ / 2;
+const COUNTS: [usize; 4] = [100, 1_000, 10_000, 100_000];
+
+struct Options {
+    floors: Vec<String>,
+    counts: Vec<usize>,
+    seconds: Option<f64>,
+    look: bool,
+}
+
+fn options() -> Options {
+    let mut options = Options { floors: vec![], counts: vec![], seconds: None, look: false };
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--seconds" => options.seconds = words.next().and_then(|s| s.parse().ok()),
+            "--look" => options.look = true,
+            "bowl" | "plane" => options.floors.push(word),
+            word => options.counts.extend(word.parse::<usize>()),
+        }
+    }
+    if options.floors.is_empty() {
+        options.floors = ["bowl", "plane"].map(String::from).to_vec();
+    }
+    if options.counts.is_empty() {
+        options.counts = COUNTS.to_vec();
+    }
+    options
+}
+
+fn main() {
+    let options = options();
+    for floor in &options.floors {
+        println!(
+            "{floor:<6}{:>8}{:>14}{:>12}{:>10}{:>12}{:>10}{:>14}{:>12}{:>18}",
+            "balls",
+            "CPU s per s",
+            "hits/s",
+            "us/hit",
+            "hits/CPU s",
+            "steps/hit",
+            "energy error",
+            "overlap/r",
+            "state hash"
+        );
+        let costs: Vec<(f64, f64)> = options
+            .counts
+            .iter()
+            .map(|count| {
+                let scene = if floor == "plane" { gas::on_a_plane(*count) } else { gas::on_a_bowl(*count) };
+                (*count as f64, measure(&scene, &options))
+            })
+            .collect();
+        if costs.len() > 1 {
+            println!("{floor}: cost grows as N^{:.3}", exponent(&costs));
+        }
+    }
+}
+
+/// CPU seconds a simulated second.
+fn measure(scene: &Scene, options: &Options) -> f64 {
+    let count = scene.balls.len();
+    let seconds = options.seconds.unwrap_or_else(|| (2e4 / count as f64).clamp(1.0, 20.0));
+    let ticks = (seconds * RATE_HZ as f64).ceil() as u64;
+    let mut engine = Controller::new(scene).unwrap_or_else(|fault| panic!("the gas is refused: {fault}"));
+    run(&mut engine, 1..=WARM_UP_TICKS, options.look);
+    let (before, energy) = (engine.report(), engine.energy());
+    let start = ProcessTime::now();
+    run(&mut engine, WARM_UP_TICKS + 1..=WARM_UP_TICKS + ticks, options.look);
+    let cpu = start.elapsed().as_secs_f64();
+    let after = engine.report();
+    let hits = |report: &Report| (report.collisions.ball_ball + report.collisions.ball_wall) as f64;
+    let (hit, span) = (hits(&after) - hits(&before), ticks as f64 / RATE_HZ as f64);
+    println!(
+        "{:>14}{:>14.5}{:>12.0}{:>10.3}{:>12.0}{:>10.2}{:>14.1e}{:>12.1e}  {:016x}",
+        count,
+        cpu / span,
+        hit / span,
+        1e6 * cpu / hit,
+        hit / cpu,
+        (after.steps - before.steps) as f64 / hit,
+        (engine.energy() / energy - 1.0).abs(),
+        after.deepest_penetration / gas::RADIUS,
+        engine.state_hash(),
+    );
+    cpu / span
+}
+
+fn run(engine: &mut Controller, ticks: std::ops::RangeInclusive<u64>, look: bool) {
+    for tick in ticks {
+        engine.advance_to(Time::of_tick(tick, RATE_HZ as u32));
+        if look {
+            engine.balls().for_each(|ball| {
+                std::hint::black_box(ball);
+            });
+        }
+    }
+}
+
+/// Slope of ln cost against ln number by least squares.
+fn exponent(costs: &[(f64, f64)]) -> f64 {
+    let n = costs.len() as f64;
+    let mean = |f: fn(&(f64, f64)) -> f64| costs.iter().map(f).sum::<f64>() / n;
+    let [x, y] = [mean(|c| c.0.ln()), mean(|c| c.1.ln())];
+    let over: f64 = costs.iter().map(|c| (c.0.ln() - x) * (c.1.ln() - y)).sum();
+    let under: f64 = costs.iter().map(|c| (c.0.ln() - x) * (c.0.ln() - x)).sum();
+    over / under
+}
