@@ -11,6 +11,7 @@
 //! | [`references`] | trajectories on any floor, from another formulation in 33 and 42 digits |
 //! | [`scenes`], [`ride`], [`mirror`] | scenes in few words, and ways to run and compare them |
 //! | [`gas`] | a gas of any number of balls, to measure with |
+//! | [`small`] | small scenes to time and to count, which differ in one feature each |
 
 pub mod case;
 pub mod closed_forms;
@@ -22,6 +23,7 @@ pub mod references;
 pub mod ride;
 pub mod scenes;
 pub mod select;
+pub mod small;
 
 pub use case::{Case, Row};
 pub use demand::{Demand, Span};

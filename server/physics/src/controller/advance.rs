@@ -98,7 +98,9 @@ impl Controller {
         let arc = &mut self.arcs[ball];
         let dt = time.since(arc.start);
         let pulled = arc.negative_reaction(dt);
-        arc.turning.start = arc.orientation_at(dt);
+        if self.balls[ball].body.rolls {
+            arc.turning.start = arc.orientation_at(dt);
+        }
         self.book(ball, work, pulled);
     }
 

@@ -70,12 +70,16 @@ impl Controller {
     }
 
     /// Work of the held force along the present arc until `time`, J: the force is constant on an arc.
+    #[inline]
     pub(super) fn work_of_force(&self, ball: usize, time: Time) -> f64 {
+        // Nearly all arcs end here: no force but gravity.
+        if self.balls[ball].body.applied == self.gravity { 0.0 } else { self.work_of_held_force(ball, time) }
+    }
+
+    #[cold]
+    fn work_of_held_force(&self, ball: usize, time: Time) -> f64 {
         let b = &self.balls[ball];
         let force = (b.body.applied - self.gravity) * b.mass;
-        if force == V3::zeros() {
-            return 0.0;
-        }
         let arc = &self.arcs[ball];
         force.dot(&(arc.center_at(time.since(arc.start)) - arc.center[0]))
     }

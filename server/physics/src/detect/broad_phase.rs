@@ -138,6 +138,9 @@ impl BroadPhase {
 
     /// Calls `visit` for every other ball whose bounds meet those of `ball`, in no particular order.
     pub fn neighbours(&self, ball: usize, mut visit: impl FnMut(usize)) {
+        if self.cell.len() == 1 {
+            return;
+        }
         let mine = self.bounds[ball];
         for grid in &self.grids {
             let [(i0, i1), (j0, j1)] = [0, 1].map(|axis| {

@@ -46,6 +46,11 @@ impl Turning {
     pub fn begin(&mut self, turn: [V3; TERMS], left_out: f64) {
         self.turn = turn;
         self.left_out = left_out;
+        if turn[1..].iter().all(|c| *c == V3::zeros()) {
+            // A sliding ball.
+            (self.magnus, self.pieces) = (true, 0);
+            return;
+        }
         let (series, steps) = (series_pieces(&turn), magnus_pieces(&turn, left_out));
         self.magnus = steps <= TURN_STEPS_PER_SERIES * series;
         self.pieces = if self.magnus { steps } else { series };

@@ -1,0 +1,158 @@
+//! What is cut out of the engine for a scene that does not use it.
+
+/// A feature, the scenes that have no use for it, and how its traces are taken out of the engine.
+pub struct Cut {
+    /// Which.
+    pub feature: &'static str,
+    /// The beginnings of the names of scenes that do not use it.
+    pub unused_by: &'static [&'static str],
+    /// File below `src/`, words there, words in their place.
+    pub edits: &'static [(&'static str, &'static str, &'static str)],
+}
+
+const FLAT: &[&str] = &[
+    "scene: a ball slides on a plane",
+    "scene: a ball rolls on a plane",
+    "scene: gas of 100 on a plane",
+    "scene: cradle",
+    "hit: a wall on a plane",
+    "hit: two balls and walls on a plane",
+];
+const QUADRIC: &[&str] = &[
+    "scene: a ball slides in a bowl",
+    "scene: a ball rolls in a bowl",
+    "scene: gas of 100 in a bowl",
+    "hit: a wall in a bowl",
+    "hit: two balls and walls in a bowl",
+];
+const SLIDING: &[&str] = &[
+    "scene: a ball slides",
+    "scene: gas of 100 on a plane",
+    "scene: cradle",
+    "hit: a wall on a plane",
+    "hit: two balls and walls on a plane",
+];
+const LONE: &[&str] = &["scene: a ball", "hit: a wall"];
+/// Hits of two bodies only, none of them slow.
+const GASES: &[&str] = &["scene: gas", "scene: cradle with gaps", "hit"];
+/// Nobody holds a force.
+const UNDRIVEN: &[&str] = &["scene: a ball", "scene: original", "scene: gas", "scene: cradle", "hit"];
+
+/// A choice of the floor's kernel with one answer.
+const ONLY_FLAT: &str =
+    "match $kernel { $crate::surface::chart::Kernel::Flat($chart) => $body, _ => unreachable!(),";
+const ONLY_QUADRIC: &str =
+    "match $kernel { $crate::surface::chart::Kernel::Quadric($chart) => $body, _ => unreachable!(),";
+
+/// All of them.
+pub const CUTS: &[Cut] = &[
+    Cut {
+        feature: "steering",
+        unused_by: UNDRIVEN,
+        edits: &[
+            (
+                "controller/advance.rs",
+                "if self.balls[ball].drive.is_some() && time.offset() == 0.0 && self.steer_anew(ball, time) {",
+                "if false {",
+            ),
+            ("controller/advance.rs", "if self.balls[ball].drive.is_some() {", "if false {"),
+            ("controller/advance.rs", "self.report.steering_work += self.work_of_force(ball, time);", ""),
+            (
+                "controller/predict.rs",
+                "let driven = self.balls[ball].drive.is_some();",
+                "let driven = false;",
+            ),
+        ],
+    },
+    Cut {
+        feature: "rolling and spin",
+        unused_by: SLIDING,
+        edits: &[
+            ("motion/body.rs", "if self.rolls {", "if false {"),
+            ("controller/observe.rs", "if b.body.rolls {", "if false {"),
+            (
+                "motion/arc.rs",
+                "self.turning.begin(step.turn, tolerance::turn_left_out(accuracy, h, self.radius));",
+                "let _ = accuracy;",
+            ),
+            ("controller/advance.rs", "arc.turning.start = arc.orientation_at(dt);", ""),
+        ],
+    },
+    Cut {
+        feature: "curved floors",
+        unused_by: FLAT,
+        edits: &[
+            ("motion/body.rs", "if surface.is_flat() {", "if true {"),
+            ("motion/arc.rs", "if self.path != Path::Curved {", "if true {"),
+            ("motion/arc.rs", "Path::Curved => body.land(", "Path::Curved if false => body.land("),
+            ("motion/arc.rs", "Path::Parabola => {", "Path::Parabola | Path::Curved => {"),
+            ("detect/ball_ball.rs", "if both_parabolas && ", "if true || "),
+            ("detect/ball_wall.rs", "if arc.path != Path::Curved {", "if true {"),
+            ("surface/chart.rs", "match $kernel {", ONLY_FLAT),
+        ],
+    },
+    Cut {
+        feature: "other kinds of floor",
+        unused_by: QUADRIC,
+        edits: &[
+            ("motion/body.rs", "if surface.is_flat() {", "if false {"),
+            ("surface/chart.rs", "match $kernel {", ONLY_QUADRIC),
+        ],
+    },
+    Cut {
+        feature: "other balls",
+        unused_by: LONE,
+        edits: &[
+            (
+                "detect/broad_phase.rs",
+                "pub fn file(&mut self, ball: usize, bounds: Bounds) {",
+                "pub fn file(&mut self, ball: usize, bounds: Bounds) { return;",
+            ),
+            (
+                "detect/broad_phase.rs",
+                "mut visit: impl FnMut(usize)) {",
+                "mut visit: impl FnMut(usize)) { return;",
+            ),
+        ],
+    },
+    Cut {
+        feature: "impacts of more than two bodies",
+        unused_by: GASES,
+        edits: &[(
+            "controller/collide.rs",
+            "self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });",
+            "",
+        )],
+    },
+    Cut {
+        feature: "holding balls whose hits pile up",
+        unused_by: GASES,
+        edits: &[("controller/collide.rs", "self.count_hits(&mut cluster, time, slow);", "")],
+    },
+    Cut {
+        feature: "the list of hits",
+        unused_by: GASES,
+        edits: &[("controller/collide.rs", "if self.hits.len() >= HITS_KEPT {", "if true {")],
+    },
+    Cut {
+        feature: "other integrators and fixed steps",
+        unused_by: UNDRIVEN,
+        edits: &[
+            (
+                "motion/body.rs",
+                "Accuracy::Fixed(scheme, h) => {",
+                "Accuracy::Fixed(scheme, h) => { if true { unreachable!() }",
+            ),
+            ("motion/body.rs", "Accuracy::Tolerance(_) | Accuracy::Fixed(Scheme::Dop853, _) => {", "_ => {"),
+        ],
+    },
+    Cut {
+        feature: "the warning where a floor would have to pull",
+        unused_by: &["scene: gas", "scene: a ball", "scene: cradle", "hit"],
+        edits: &[(
+            "controller/advance.rs",
+            "self.report.negative_reaction += arc.negative_reaction(dt);",
+            "",
+        )],
+    },
+];

@@ -1,0 +1,32 @@
+//! The compiler that counts belong to.
+
+use std::process::Command;
+
+/// What counts depend on beside the code.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Toolchain {
+    /// The compiler, as it names itself.
+    pub rustc: String,
+    /// What it builds for.
+    pub target: String,
+}
+
+impl Toolchain {
+    /// That of this build.
+    pub fn here() -> Result<Self, String> {
+        let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+        let output = Command::new(rustc).arg("-vV").output().map_err(|e| format!("rustc -vV: {e}"))?;
+        let text = String::from_utf8_lossy(&output.stdout);
+        let target = text.lines().find_map(|line| line.strip_prefix("host: "));
+        let rustc = text.lines().next();
+        let (Some(rustc), Some(target)) = (rustc, target) else {
+            return Err(format!("rustc -vV says nothing of its version: {text}"));
+        };
+        Ok(Self { rustc: rustc.to_owned(), target: target.to_owned() })
+    }
+
+    /// Lines for the top of a table.
+    pub fn heading(&self) -> String {
+        format!("# {}\n# {}\n", self.rustc, self.target)
+    }
+}
