@@ -5,6 +5,7 @@ use super::dop853;
 use super::law::{Law, ROLLING, SLIDING, Stand, State, angular_velocity, velocity};
 use super::low_order;
 use super::step::{Step, TERMS};
+use super::step_size;
 use crate::scene::{Accuracy, Scheme};
 use crate::schedule::time::Time;
 use crate::surface::chart::{Chart, Frame, Surface, with_chart};
@@ -29,7 +30,7 @@ pub struct Body {
 /// Length of step wanted next, and steps spent.
 #[derive(Clone, Copy, Debug)]
 pub struct Stepping {
-    /// Step to try, s: a power of two, or the scene's fixed step.
+    /// Step to try, s: of few bits, or the scene's fixed step.
     pub try_s: f64,
     /// Steps computed, kept or not.
     pub steps: u64,
@@ -177,7 +178,7 @@ fn land_by<const D: usize, C: Chart>(
     (end, law.slope(&end).rate)
 }
 
-/// One accepted step and its length. The ladder of powers of two makes acceptance repeatable.
+/// One accepted step and its length.
 fn step_by<const D: usize, C: Chart>(
     law: &Law<'_, C>,
     accuracy: Accuracy,
@@ -192,7 +193,9 @@ fn step_by<const D: usize, C: Chart>(
             let step = match scheme {
                 Scheme::Rk4 => low_order::rk4_step(law, y, first, h),
                 Scheme::Tsit5 => low_order::tsit5_step(law, y, first, h),
-                Scheme::Dop853 => dop853::step(law, y, first, h, f64::INFINITY).unwrap_or_else(not_finite),
+                Scheme::Dop853 => {
+                    dop853::step(law, y, first, h, f64::INFINITY).unwrap_or_else(|_| not_finite())
+                }
             };
             return (h, step);
         }
@@ -201,20 +204,17 @@ fn step_by<const D: usize, C: Chart>(
         let h = stepping.try_s;
         stepping.steps += 1;
         let smallest = h <= tolerance::STEP_MIN;
-        let allowed = if smallest { f64::INFINITY } else { tolerance::allowed_error(tolerance, h) };
-        if let Some(step) = dop853::step(law, y, first, h, allowed) {
-            stepping.forced += u64::from(step.error > tolerance::allowed_error(tolerance, h));
-            let room = step.error * tolerance::GROWTH_OF_DOUBLING <= tolerance::allowed_error(tolerance, h);
-            if room && h < tolerance::STEP_MAX {
-                stepping.try_s = 2.0 * h;
+        let allowed = tolerance::allowed_error(tolerance, h);
+        match dop853::step(law, y, first, h, if smallest { f64::INFINITY } else { allowed }) {
+            Ok(step) => {
+                stepping.forced += u64::from(step.error > allowed);
+                stepping.try_s = step_size::next(h, allowed, step.error);
+                return (h, step);
             }
-            return (h, step);
+            // Only numbers that are not finite are refused at the smallest step; the launch holds such a ball.
+            Err(_) if smallest => return (h, not_finite()),
+            Err(error) => stepping.try_s = step_size::next(h, allowed, error),
         }
-        // Only numbers that are not finite are refused at the smallest step; the launch holds such a ball.
-        if smallest {
-            return (h, not_finite());
-        }
-        stepping.try_s = 0.5 * h;
     }
 }
 

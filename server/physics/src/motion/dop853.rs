@@ -6,7 +6,8 @@
 use super::dop853_tableau::{A, B, D as DENSE, E3, E5, STAGES, STAGES_DENSE};
 use super::law::{Law, ROLLING, Slope, Stand, angular_velocity, velocity};
 use super::step::{Step, TERMS, combine};
-use crate::surface::chart::{Chart, Frame};
+use crate::surface::chart::Chart;
+use crate::tolerance::ERROR_TIME;
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -94,7 +95,8 @@ pub fn land<const D: usize, C: Chart>(
     (end, stages.slope[STAGES - 1])
 }
 
-/// A whole step with error estimate; None when the estimate exceeds `allowed` (the dense output is not computed).
+/// A whole step with error estimate, or the estimate alone when it exceeds `allowed` or is no number (the dense output is
+/// not computed).
 #[inline]
 pub fn step<const D: usize, C: Chart>(
     law: &Law<'_, C>,
@@ -102,12 +104,12 @@ pub fn step<const D: usize, C: Chart>(
     first: &Stand<D>,
     h: f64,
     allowed: f64,
-) -> Option<Step<D>> {
+) -> Result<Step<D>, f64> {
     let (mut s, end) = advance(law, y, &first.slope.rate, h);
-    let error = error_estimate(law, y, h, &s.slope);
+    let error = error_estimate(first, h, &s.slope);
     // A NaN is refused too.
     if error.is_nan() || error > allowed {
-        return None;
+        return Err(error);
     }
     let last = law.stand(&end);
     s.enter(12, &end, law.radius, &last.slope);
@@ -124,7 +126,7 @@ pub fn step<const D: usize, C: Chart>(
             [0, 5, 6, 7, 8, 9, 10, 11].iter().fold(V3::zeros(), |sum, i| sum + s.omega[*i] * B[*i]) * h;
         turn = dense_path(h, V3::zeros(), rise, &s.omega);
     }
-    Some(Step {
+    Ok(Step {
         end,
         error,
         dense,
@@ -134,18 +136,18 @@ pub fn step<const D: usize, C: Chart>(
     })
 }
 
-/// Hairer's combination of the estimates of order 5 and 3, in metres: an error of velocity counts with
-/// [`crate::tolerance::ERROR_TIME`].
+/// The error of the solution in metres, from Hairer's estimates of order 5 and 3: an error of velocity counts with
+/// [`ERROR_TIME`], or with the time of a turn by the spin where that is less.
+///
+/// One is to the other as h^2: `five * trust` goes with h^8 as in the source, and with one more square root of `trust` it
+/// would go with h^9 as the error itself. Half way between keeps what is obtained nearest to what is asked for from 1e-6 to
+/// 1e-12 m: errors of place grow with the number of steps, those of energy faster.
 #[inline]
-fn error_estimate<const D: usize, C: Chart>(
-    law: &Law<'_, C>,
-    y: &[f64; D],
-    h: f64,
-    k: &[[f64; D]; STAGES_DENSE],
-) -> f64 {
-    let [e, _, g] = law.chart.frame([y[0], y[1]]).first();
-    let mut norms = [0.0_f64; 2];
-    for (norm, weights) in norms.iter_mut().zip([&E5, &E3]) {
+fn error_estimate<const D: usize>(first: &Stand<D>, h: f64, k: &[[f64; D]; STAGES_DENSE]) -> f64 {
+    let [e, g] = first.stretch;
+    let turn = ERROR_TIME * first.precession;
+    let time_squared = ERROR_TIME * ERROR_TIME / (1.0 + turn * turn);
+    let [five, three] = [&E5, &E3].map(|weights| {
         let mut sum = [0.0; D];
         for i in [0, 5, 6, 7, 8, 9, 10, 11] {
             for x in 0..D {
@@ -153,19 +155,17 @@ fn error_estimate<const D: usize, C: Chart>(
             }
         }
         let place = e * sum[0] * sum[0] + g * sum[1] * sum[1];
-        let speed = sum[2] * sum[2] + sum[3] * sum[3] + sum[4] * sum[4];
-        let time = crate::tolerance::ERROR_TIME;
-        let mut square = place.max(speed * time * time);
+        let mut speed = sum[2] * sum[2] + sum[3] * sum[3] + sum[4] * sum[4];
         if D == ROLLING {
-            square = square.max(sum[5] * sum[5] * time * time);
+            speed = speed.max(sum[5] * sum[5]);
         }
-        *norm = square;
-    }
-    let [five, three] = norms;
+        place.max(speed * time_squared)
+    });
     if five == 0.0 {
         return 0.0;
     }
-    h * five / (five + 0.01 * three).sqrt()
+    let trust = (five / (five + 0.01 * three)).sqrt();
+    h * five.sqrt() * trust * trust.sqrt().sqrt()
 }
 
 /// The dense output of a point whose slopes are `slopes`.

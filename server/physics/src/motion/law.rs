@@ -59,6 +59,10 @@ pub struct Stand<const D: usize> {
     pub slope: Slope<D>,
     /// The ball's centre, m.
     pub center: V3,
+    /// E and G of the floor's first fundamental form.
+    pub stretch: [f64; 2],
+    /// Mean rate at which a ball's spin turns its velocity round on the curved floor, k sigma H / (1+k), rad/s; 0 when sliding.
+    pub precession: f64,
 }
 
 /// One ball's right-hand side.
@@ -86,7 +90,14 @@ impl<C: Chart> Law<'_, C> {
     pub fn stand<const D: usize>(&self, y: &[f64; D]) -> Stand<D> {
         let frame = self.chart.frame([y[0], y[1]]);
         let slope = self.slope_in(&frame, y);
-        Stand { slope, center: frame.point() + slope.normal * self.radius }
+        let [e, f, g] = frame.first();
+        let mut precession = 0.0;
+        if D == ROLLING {
+            let [l, m, n] = frame.second();
+            let mean_curvature = 0.5 * (e * n - 2.0 * f * m + g * l) * frame.inverse_area_squared();
+            precession = self.inertia_factor * y[5] * mean_curvature / (1.0 + self.inertia_factor);
+        }
+        Stand { slope, center: frame.point() + slope.normal * self.radius, stretch: [e, g], precession }
     }
 
     #[inline]

@@ -1,7 +1,7 @@
 //! How a ball moves while nothing hits it.
 //!
 //! `law` holds the equations, `dop853`, `tsit5` and `rk4` step them, `arc` is what a step leaves behind: one
-//! polynomial that everything else reads. `rotation` turns a ball whose motion needs no stepping.
+//! polynomial that everything else reads. `step_size` says how long the next one is. `rotation` turns a ball whose motion needs no stepping.
 
 pub mod arc;
 pub mod body;
@@ -11,3 +11,4 @@ pub mod law;
 pub mod low_order;
 pub mod rotation;
 pub mod step;
+pub mod step_size;
