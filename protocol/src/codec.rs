@@ -142,35 +142,67 @@ pub fn decode_state(bytes: &[u8]) -> Result<Snapshot, CodecError> {
     from_cbor::<Frame<ByteBuf>>(bytes, MAX_STATE_BYTES)?.into_snapshot()
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct WorldFrame<S, R, B> {
+struct WorldFrame {
     v: u32,
-    scene: S,
-    roster: R,
+    scene: crate::scene::Scene,
+    roster: crate::snapshot::Roster,
     tick_rate_hz: u32,
-    snapshot: Frame<B>,
+    snapshot: Frame<ByteBuf>,
 }
 
 /// The full-width frame of a world.
 pub fn encode_world(world: &World) -> Vec<u8> {
-    let arrays = Arrays::of(&world.snapshot, Width::Double);
-    let frame = WorldFrame {
-        v: FRAME_VERSION,
-        scene: &world.scene,
-        roster: &world.roster,
-        tick_rate_hz: world.tick_rate_hz,
-        snapshot: arrays.frame(&world.snapshot),
-    };
+    WorldHead::new(&world.scene, &world.roster, world.tick_rate_hz).with(&world.snapshot)
+}
+
+/// The part of a world's frame that no tick changes, encoded once for all who ask: it takes longer than the state does.
+pub struct WorldHead(Vec<u8>);
+
+/// The first fields of a [`WorldFrame`].
+#[derive(Serialize)]
+struct HeadFrame<'a> {
+    v: u32,
+    scene: &'a crate::scene::Scene,
+    roster: &'a crate::snapshot::Roster,
+    tick_rate_hz: u32,
+}
+
+/// A CBOR map of so many pairs begins with this byte more.
+const CBOR_MAP: u8 = 0xa0;
+/// Pairs of a [`HeadFrame`] and of a [`WorldFrame`].
+const PAIRS: [u8; 2] = [4, 5];
+
+impl WorldHead {
+    /// Of a scene with its balls.
+    pub fn new(scene: &crate::scene::Scene, roster: &crate::snapshot::Roster, tick_rate_hz: u32) -> Self {
+        let mut bytes = cbor(&HeadFrame { v: FRAME_VERSION, scene, roster, tick_rate_hz });
+        assert_eq!(bytes[0], CBOR_MAP + PAIRS[0], "a struct is a short map");
+        bytes[0] = CBOR_MAP + PAIRS[1];
+        bytes.append(&mut cbor(&"snapshot"));
+        Self(bytes)
+    }
+
+    /// The full-width frame of the world in this state.
+    pub fn with(&self, snapshot: &Snapshot) -> Vec<u8> {
+        let arrays = Arrays::of(snapshot, Width::Double);
+        let mut out = Vec::with_capacity(self.0.len() + 1024 + snapshot.center_m.len() * 128);
+        out.extend_from_slice(&self.0);
+        ciborium::into_writer(&arrays.frame(snapshot), &mut out).expect("a vector takes every byte");
+        out
+    }
+}
+
+fn cbor<T: Serialize>(value: &T) -> Vec<u8> {
     let mut out = Vec::new();
-    ciborium::into_writer(&frame, &mut out).expect("a vector takes every byte");
+    ciborium::into_writer(value, &mut out).expect("a vector takes every byte");
     out
 }
 
 /// A world back from its frame.
 pub fn decode_world(bytes: &[u8]) -> Result<World, CodecError> {
-    let frame: WorldFrame<crate::scene::Scene, crate::snapshot::Roster, ByteBuf> =
-        from_cbor(bytes, MAX_WORLD_BYTES)?;
+    let frame: WorldFrame = from_cbor(bytes, MAX_WORLD_BYTES)?;
     if frame.v != FRAME_VERSION {
         return Err(CodecError::Version(frame.v));
     }

@@ -5,6 +5,7 @@
 //! | [`scene`] | the scene file, version 1: what people write and viewers draw |
 //! | [`scene_text`] | TOML to a scene, with errors that name file, line and field |
 //! | [`command`] | what a client may ask of a running arena, and the answer |
+//! | [`steering`] | where a player wants a ball to go |
 //! | [`change`] | what of a world a command may change |
 //! | [`parameter`] | numbers of a scene that may be read, and some of them set |
 //! | [`reply`] | done at which tick, or why not, with a code |
@@ -40,4 +41,5 @@ pub mod scene_text;
 pub mod snapshot;
 pub mod state;
 pub mod stats;
+pub mod steering;
 pub mod timeline;

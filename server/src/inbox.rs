@@ -1,7 +1,7 @@
 //! Commands as they arrive: bounded, in order, drained by the tick loop.
 
+use crate::ready::Ready;
 use crate::wanted::{Moment, Wanted, When};
-use crate::workshop::Ready;
 use protocol::command::{Command, Refusal, Reply, code};
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -44,6 +44,7 @@ pub mod meter;
 mod network;
 pub mod parameters;
 pub mod players;
+pub mod ready;
 pub mod recording;
 pub mod scene_file;
 pub mod screening;

@@ -1,14 +1,13 @@
 //! The tick loop: a fixed rate on a plain thread. It never awaits, never publishes, and never chases lost time.
 
-use crate::change::Change;
 use crate::handover::{HITS_CAPACITY, Handover};
 use crate::history::{Archive, Diary, Settings};
 use crate::inbox::{Answer, Answered, ENDING, INBOX_CAPACITY, Inbox, Request};
 use crate::meter::Meter;
+use crate::ready::Ready;
 use crate::recording::Tape;
 use crate::simulation::{NumberedHit, Simulation};
 use crate::wanted::{Moment, WANTED_CAPACITY};
-use crate::workshop::Ready;
 use protocol::command::{Command, MAX_RUN_TICKS, Refusal, Reply, RunState, Scope, SpeedFactor, code};
 use protocol::stats::Stats;
 use std::sync::Arc;
@@ -237,10 +236,6 @@ impl TickLoop {
     fn apply(&mut self, Request { command, ready, answer }: Request) {
         let at = (self.simulation.epoch(), self.simulation.tick());
         let done = match &command {
-            Command::Steer { ball, direction, mode } => {
-                let steered = self.simulation.steer(ball.as_deref(), *direction, *mode);
-                steered.map_err(|why| Refusal::new(code::NOT_FOUND, why))
-            }
             Command::Pause {} => self.set_state(RunState::Paused, ready),
             Command::Resume {} => self.set_state(RunState::Playing, ready),
             Command::SetState { state } => self.set_state(*state, ready),
@@ -253,28 +248,12 @@ impl TickLoop {
                 }
                 Err(refusal) => Err(refusal),
             },
-            Command::SetBalls { select, velocity_m_per_s, spin_rad_per_s, .. } => match (ready, select) {
-                (Ready::Seats(world, seats), _) => self.simulation.set_balls(&world, &seats),
-                (_, Some(select)) => {
-                    let velocity = velocity_m_per_s.map(Into::into);
-                    self.simulation.set_selected(select, velocity, *spin_rad_per_s)
-                }
-                _ => Err(unprepared()),
-            },
-            Command::Spawn { .. }
-            | Command::Delete(_)
-            | Command::MoveControlPoints { .. }
-            | Command::SetParameters { .. }
-            | Command::Reset { .. }
-            | Command::Rewind(_)
-            | Command::LoadState { .. }
-            | Command::LoadScene { .. }
-            | Command::ReloadScene {} => self.change_world(&command, ready),
             Command::SaveState { slot } => self.save(slot, ready),
             Command::Speed { factor } => {
                 self.set_speed(*factor);
                 Ok(())
             }
+            command => self.act(command, ready),
         };
         if command.needs_preparing() {
             self.diary.used();
@@ -301,7 +280,7 @@ impl TickLoop {
         });
         self.paused = state != RunState::Playing;
         if state == RunState::Stopped {
-            self.change_world(&Command::Reset { scope: Scope::All, seed: None }, ready)?;
+            self.act(&Command::SetState { state }, ready)?;
         }
         self.enter(state);
         Ok(())
@@ -335,35 +314,21 @@ impl TickLoop {
         Ok(last)
     }
 
-    /// Puts what was made ready in its place.
-    fn change_world(&mut self, command: &Command, ready: Ready) -> Result<(), Refusal> {
-        if matches!(
-            command,
-            Command::LoadScene { .. }
-                | Command::Rewind(_)
-                | Command::LoadState { .. }
-                | Command::Reset { scope: Scope::All | Scope::Time, .. }
-        ) {
-            self.interrupt_stepping(match command {
-                Command::Reset { .. } => "reset",
-                Command::Rewind(_) => "gone back",
-                _ => "another world came",
-            });
+    /// What a command does to the world, and what follows when it is another one.
+    fn act(&mut self, command: &Command, mut ready: Ready) -> Result<(), Refusal> {
+        match command {
+            Command::Reset { scope: Scope::All | Scope::Time, .. } => self.interrupt_stepping("reset"),
+            Command::Rewind(_) => self.interrupt_stepping("gone back"),
+            Command::LoadScene { .. } | Command::ReloadScene {} | Command::LoadState { .. } => {
+                self.interrupt_stepping("another world came");
+            }
+            _ => {}
         }
         let (epoch, world) = (self.simulation.epoch(), self.simulation.world().clone());
-        let done = match (ready, command) {
-            (Ready::World(mut next), _) => {
-                self.simulation.give_way_to(&mut next);
-                self.handover.forget(next);
-                Ok(())
-            }
-            (Ready::Change(change), _) => self.change(change),
-            (_, Command::Delete(selection)) => {
-                self.simulation.deletion(selection).and_then(|change| self.change(Box::new(change)))
-            }
-            (_, Command::Reset { scope, .. }) => self.simulation.reset(*scope),
-            _ => Err(unprepared()),
-        };
+        let done = ready.act(command, &mut self.simulation);
+        if !matches!(ready, Ready::Nothing) {
+            self.handover.forget(Box::new(ready));
+        }
         if !Arc::ptr_eq(&world, self.simulation.world()) {
             self.handover.put_stage(self.simulation.stage());
             self.handover.forget(Box::new(world));
@@ -376,14 +341,10 @@ impl TickLoop {
         done
     }
 
-    fn change(&mut self, mut change: Box<Change>) -> Result<(), Refusal> {
-        let done = self.simulation.change(&mut change);
-        self.handover.forget(change);
-        done
-    }
-
     fn save(&mut self, slot: &str, ready: Ready) -> Result<(), Refusal> {
-        let Ready::Page(page) = ready else { return Err(unprepared()) };
+        let Ready::Page(page) = ready else {
+            return Err(Refusal::new(code::OPERATION_FAILED, "no page was made ready for this"));
+        };
         self.diary.save(slot, page, &self.simulation);
         Ok(())
     }
@@ -427,10 +388,6 @@ impl TickLoop {
         self.simulation.write_stats(&mut stats);
         self.handover.put(None, &mut self.hits, &mut self.answers, Some(stats));
     }
-}
-
-fn unprepared() -> Refusal {
-    Refusal::new(code::OPERATION_FAILED, "nothing was made ready for this")
 }
 
 struct OnDrop<F: FnMut()>(F);

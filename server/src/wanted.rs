@@ -129,7 +129,7 @@ impl Wanted {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::workshop::Ready;
+    use crate::ready::Ready;
     use protocol::command::Command;
 
     /// A command that can be told from others.

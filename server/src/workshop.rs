@@ -4,10 +4,10 @@
 use crate::change::{Change, meant};
 use crate::history::Archive;
 use crate::inbox::{Answer, ENDING, Inbox, Refused, Request};
+use crate::ready::Ready;
 use crate::scene_file::{SceneError, SceneText};
-use crate::simulation::{Moment, Simulation};
+use crate::simulation::Simulation;
 use crate::world::{Present, World};
-use ballroom_physics::Seat;
 use protocol::codec::{self, CodecError};
 use protocol::command::{Command, Refusal, RunState, Scope, code};
 use protocol::listing::Selection;
@@ -20,22 +20,6 @@ use std::time::Duration;
 pub const MAX_JOBS: usize = 64;
 /// Time between two looks at whether the tick loop is still there.
 const PATIENCE: Duration = Duration::from_millis(100);
-
-/// What was made ready for a command.
-#[derive(Default)]
-pub enum Ready {
-    /// Nothing was needed.
-    #[default]
-    Nothing,
-    /// Places on the floor of a world.
-    Seats(Arc<World>, Vec<Seat>),
-    /// A change of the present world.
-    Change(Box<Change>),
-    /// A world, to take the place of the present one.
-    World(Box<Simulation>),
-    /// A page with room for the present state.
-    Page(Box<Moment>),
-}
 
 /// Makes things ready for the present world.
 pub struct Bench {

@@ -3,8 +3,8 @@
 use super::line::Place;
 use super::store::Store;
 use super::{Settings, point_every_ticks};
+use crate::ready::Ready;
 use crate::simulation::{Ground, Moment, Simulation};
-use crate::workshop::Ready;
 use protocol::command::{Command, Refusal};
 use std::sync::Arc;
 

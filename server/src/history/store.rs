@@ -3,9 +3,10 @@
 use super::line::{Line, Place, Way, What, bytes_of_all};
 use super::past::Past;
 use super::{MAX_SLOT_BYTES, Settings};
+use crate::ready::Ready;
 use crate::recording::obey;
 use crate::simulation::{Ground, Moment, Simulation};
-use crate::workshop::{Bench, Ready};
+use crate::workshop::Bench;
 use ballroom_physics::Time;
 use protocol::command::{Command, Refusal, code};
 use protocol::timeline::{MAX_SLOTS, Rewind, SavedState, SlotEntry, Timeline};

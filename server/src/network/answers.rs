@@ -97,7 +97,7 @@ pub fn send(latest: &Latest, archive: &Archive, players: &Players, query: &Query
         Answer::World { as_json } => match latest.allows(if as_json { 500.0 } else { 160.0 }) {
             Err(refusal) => return refuse(query, refusal),
             Ok(()) if as_json => json(&latest.world()),
-            Ok(()) => (codec::encode_world(&latest.world()), Encoding::APPLICATION_CBOR),
+            Ok(()) => (latest.world_frame(), Encoding::APPLICATION_CBOR),
         },
         Answer::Balls(selection) => json(&selection.of(&latest.world())),
         Answer::Features => json(&crate::features::features()),

@@ -40,6 +40,7 @@ use crate::workshop::{Bench, Workshop};
 pub(crate) use doors::{Doors, Job as DoorJob};
 pub(crate) use link::Link;
 use protocol::arenas::ArenaRow;
+use protocol::codec::WorldHead;
 use protocol::command::{Refusal, Reply, code};
 use protocol::info::Info;
 use protocol::keys::{Keys, Name, Role};
@@ -100,6 +101,8 @@ pub(crate) struct Latest {
     readers: readers::Readers,
     /// Bytes of answers that grow with the balls.
     whole: Mutex<Bucket>,
+    /// What all worlds of a stage begin with, once somebody has asked for one.
+    head: Mutex<Option<(Stage, Arc<WorldHead>)>>,
 }
 
 impl Latest {
@@ -126,6 +129,27 @@ impl Latest {
             tick_rate_hz: self.info.tick_rate_hz,
             snapshot,
         }
+    }
+
+    /// The same as its frame, of which only the state is encoded afresh.
+    fn world_frame(&self) -> Vec<u8> {
+        let present = self.present();
+        let (stage, snapshot) = (present.stage.clone(), present.state.clone());
+        drop(present);
+        self.head_of(&stage).with(&snapshot)
+    }
+
+    fn head_of(&self, stage: &Stage) -> Arc<WorldHead> {
+        let mut kept = self.head.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, head)) = &*kept
+            && Arc::ptr_eq(&of.scene, &stage.scene)
+            && Arc::ptr_eq(&of.roster, &stage.roster)
+        {
+            return head.clone();
+        }
+        let head = Arc::new(WorldHead::new(&stage.scene, &stage.roster, self.info.tick_rate_hz));
+        *kept = Some((stage.clone(), head.clone()));
+        head
     }
 
     /// What the clock does.
@@ -223,6 +247,7 @@ impl Network {
             recorded: options.record.is_some(),
             readers: readers::Readers::default(),
             whole: Mutex::new(Bucket::full(WHOLE_BYTES_PER_S, Instant::now())),
+            head: Mutex::default(),
         });
         let keys = Keys::new(&options.arena);
         let session = link.session();

@@ -15,9 +15,9 @@ mod held;
 mod tally;
 
 use crate::inbox::{Answer, Inbox, Refused, Request};
+use crate::ready::Ready;
 use crate::simulation::{NumberedHit, Stage};
 use crate::wanted::When;
-use crate::workshop::Ready;
 use ballroom_physics::HitPartner;
 use balls::{free_ball, holder, is_players, players_balls, taken, wanted_ball};
 use held::Held;

@@ -4,9 +4,9 @@ use super::{CommandLine, EndLine, HashLine, Line, Reader, RecordingFault};
 use crate::history::{Chronicle, Settings};
 use crate::scene_file::{SceneError, SceneText};
 use crate::simulation::Simulation;
-use crate::workshop::{Bench, Ready};
+use crate::workshop::Bench;
 use protocol::codec;
-use protocol::command::{Command, Refusal, RunState, Scope};
+use protocol::command::Command;
 use protocol::snapshot::Snapshot;
 use serde::Serialize;
 use std::io::Read;
@@ -280,30 +280,6 @@ impl<A: Audience> Run<A> {
 /// What a command does to the world; the clock is none of a replay's. What needs making ready is made from the command
 /// alone, as the server's workshop made it.
 pub(crate) fn obey(simulation: &mut Simulation, bench: &Bench, command: &Command) -> Result<(), String> {
-    let refused = |refusal: Refusal| refusal.to_string();
-    match (bench.prepare(command).map_err(refused)?, command) {
-        (Ready::World(mut world), _) => simulation.give_way_to(&mut world),
-        (Ready::Change(mut change), _) => simulation.change(&mut change).map_err(refused)?,
-        (Ready::Seats(world, seats), _) => simulation.set_balls(&world, &seats).map_err(refused)?,
-        (Ready::Nothing, Command::Steer { ball, direction, mode }) => {
-            simulation.steer(ball.as_deref(), *direction, *mode)?;
-        }
-        (Ready::Nothing, Command::Reset { scope, .. }) => simulation.reset(*scope).map_err(refused)?,
-        (Ready::Nothing, Command::SetState { state: RunState::Stopped }) => {
-            simulation.reset(Scope::All).map_err(refused)?;
-        }
-        (Ready::Nothing, Command::Delete(selection)) => {
-            let mut change = simulation.deletion(selection).map_err(refused)?;
-            simulation.change(&mut change).map_err(refused)?;
-        }
-        (
-            Ready::Nothing,
-            Command::SetBalls { select: Some(select), velocity_m_per_s, spin_rad_per_s, .. },
-        ) => {
-            let velocity = velocity_m_per_s.map(Into::into);
-            simulation.set_selected(select, velocity, *spin_rad_per_s).map_err(refused)?;
-        }
-        (Ready::Nothing | Ready::Page(_), _) => {}
-    }
-    Ok(())
+    let done = bench.prepare(command).and_then(|mut ready| ready.act(command, simulation));
+    done.map_err(|refusal| refusal.to_string())
 }
