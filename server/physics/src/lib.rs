@@ -14,7 +14,9 @@
 pub mod controller;
 pub mod detect;
 pub mod diagnostics;
+mod lanes;
 pub mod motion;
+pub mod number;
 pub mod resolve;
 pub mod scene;
 pub mod schedule;

@@ -207,7 +207,7 @@ impl Arc {
         &mut self,
         h: f64,
         slope: &[f64; D],
-        step: &Step<D>,
+        step: &Step<f64, D>,
         accuracy: Accuracy,
     ) {
         self.path = Path::Curved;
@@ -218,11 +218,11 @@ impl Arc {
         for (row, from) in self.dense.iter_mut().zip(&step.dense) {
             *row = widen(from);
         }
-        self.center = step.center;
-        self.turning.begin(step.turn, tolerance::turn_left_out(accuracy, h, self.radius));
+        self.center = step.center.map(V3::from);
+        self.turning.begin(step.turn.map(V3::from), tolerance::turn_left_out(accuracy, h, self.radius));
         self.reaction = step.reaction;
         let bound: f64 =
-            step.center.iter().enumerate().skip(2).map(|(k, c)| (k * (k - 1)) as f64 * c.norm()).sum();
+            self.center.iter().enumerate().skip(2).map(|(k, c)| (k * (k - 1)) as f64 * c.norm()).sum();
         self.acceleration_bound = bound / (h * h);
     }
 }

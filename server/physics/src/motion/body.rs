@@ -6,6 +6,7 @@ use super::law::{Law, ROLLING, SLIDING, Stand, State, angular_velocity, velocity
 use super::low_order;
 use super::step::{Step, TERMS};
 use super::step_size;
+use crate::number::Triple;
 use crate::scene::{Accuracy, Scheme};
 use crate::schedule::time::Time;
 use crate::surface::chart::{Chart, Frame, Surface, with_chart};
@@ -39,8 +40,15 @@ pub struct Stepping {
 }
 
 impl Body {
-    fn law<'a, C: Chart>(&self, chart: &'a C) -> Law<'a, C> {
-        Law { chart, radius: self.radius, inertia_factor: self.inertia_factor, applied: self.applied }
+    fn law<'a, C: Chart>(&self, chart: &'a C) -> Law<'a, C, f64> {
+        Law {
+            chart,
+            radius: self.radius,
+            inverse_radius: 1.0 / self.radius,
+            inertia_factor: self.inertia_factor,
+            share: 1.0 / (1.0 + self.inertia_factor),
+            applied: self.applied.into(),
+        }
     }
 
     /// Centre and normal at a state.
@@ -48,7 +56,7 @@ impl Body {
         with_chart!(&surface.kernel, chart => {
             let frame = chart.frame([state[0], state[1]]);
             let n = frame.normal();
-            (frame.point() + n * self.radius, n)
+            ((frame.point() + n * self.radius).into(), n.into())
         })
     }
 
@@ -162,7 +170,7 @@ impl Body {
 }
 
 fn land_by<const D: usize, C: Chart>(
-    law: &Law<'_, C>,
+    law: &Law<'_, C, f64>,
     accuracy: Accuracy,
     y: &[f64; D],
     slope: &[f64; D],
@@ -180,12 +188,12 @@ fn land_by<const D: usize, C: Chart>(
 
 /// One accepted step and its length.
 fn step_by<const D: usize, C: Chart>(
-    law: &Law<'_, C>,
+    law: &Law<'_, C, f64>,
     accuracy: Accuracy,
     y: &[f64; D],
-    first: &Stand<D>,
+    first: &Stand<f64, D>,
     stepping: &mut Stepping,
-) -> (f64, Step<D>) {
+) -> (f64, Step<f64, D>) {
     let tolerance = match accuracy {
         Accuracy::Tolerance(tolerance) => tolerance,
         Accuracy::Fixed(scheme, h) => {
@@ -194,7 +202,7 @@ fn step_by<const D: usize, C: Chart>(
                 Scheme::Rk4 => low_order::rk4_step(law, y, first, h),
                 Scheme::Tsit5 => low_order::tsit5_step(law, y, first, h),
                 Scheme::Dop853 => {
-                    dop853::step(law, y, first, h, f64::INFINITY).unwrap_or_else(|_| not_finite())
+                    dop853::finish(law, y, first, h, dop853::attempt(law, y, &first.slope.rate, h))
                 }
             };
             return (h, step);
@@ -202,29 +210,52 @@ fn step_by<const D: usize, C: Chart>(
     };
     loop {
         let h = stepping.try_s;
-        stepping.steps += 1;
-        let smallest = h <= tolerance::STEP_MIN;
-        let allowed = tolerance::allowed_error(tolerance, h);
-        match dop853::step(law, y, first, h, if smallest { f64::INFINITY } else { allowed }) {
-            Ok(step) => {
-                stepping.forced += u64::from(step.error > allowed);
-                stepping.try_s = step_size::next(h, allowed, step.error);
-                return (h, step);
-            }
-            // Only numbers that are not finite are refused at the smallest step; the launch holds such a ball.
-            Err(_) if smallest => return (h, not_finite()),
-            Err(error) => stepping.try_s = step_size::next(h, allowed, error),
+        let attempt = dop853::attempt(law, y, &first.slope.rate, h);
+        let error = dop853::error_estimate(h, first.stretch, first.precession, attempt.errors());
+        match stepping.judge(tolerance, error) {
+            Verdict::Kept => return (h, dop853::finish(law, y, first, h, attempt)),
+            Verdict::Refused => {}
+            Verdict::GivenUp => return (h, not_finite()),
         }
     }
 }
 
-fn not_finite<const D: usize>() -> Step<D> {
+/// What becomes of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// It is good enough.
+    Kept,
+    /// A shorter one is to be tried.
+    Refused,
+    /// Even the shortest holds numbers that are not finite; the launch holds such a ball.
+    GivenUp,
+}
+
+impl Stepping {
+    /// Counts a step of [`Self::try_s`] with this error, and chooses the length of the next. Whether it is kept depends on
+    /// nothing else.
+    pub(super) fn judge(&mut self, tolerance: f64, error: f64) -> Verdict {
+        let h = self.try_s;
+        let allowed = tolerance::allowed_error(tolerance, h);
+        let smallest = h <= tolerance::STEP_MIN;
+        self.steps += 1;
+        self.try_s = step_size::next(h, allowed, error);
+        // A NaN is refused too.
+        if error.is_nan() || (error > allowed && !smallest) {
+            return if smallest { Verdict::GivenUp } else { Verdict::Refused };
+        }
+        self.forced += u64::from(error > allowed);
+        Verdict::Kept
+    }
+}
+
+/// A step of which no number is one.
+pub(super) fn not_finite<const D: usize>() -> Step<f64, D> {
     Step {
         end: [f64::NAN; D],
-        error: f64::NAN,
         dense: [[f64::NAN; D]; TERMS],
-        center: [V3::repeat(f64::NAN); TERMS],
-        turn: [V3::repeat(f64::NAN); TERMS],
+        center: [Triple([f64::NAN; 3]); TERMS],
+        turn: [Triple([f64::NAN; 3]); TERMS],
         reaction: [f64::NAN; 3],
     }
 }

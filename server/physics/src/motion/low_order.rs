@@ -3,12 +3,17 @@
 //! They are here to be compared with. Tsitouras' coefficients and interpolant: Ch. Tsitouras, "Runge-Kutta
 //! pairs of order 5(4) satisfying only the first column simplifying assumption", Comput. Math. Appl. 62 (2011).
 
-use super::law::{Law, ROLLING, Slope, Stand, angular_velocity, velocity};
+use super::law::{Law, ROLLING, Slope, Stand, rotation, velocity_in};
 use super::step::{Step, TERMS, combine, cubic_hermite, quintic_hermite};
+use crate::number::Triple;
 use crate::surface::chart::Chart;
-use nalgebra::Vector3;
 
-type V3 = Vector3<f64>;
+type V3 = Triple<f64>;
+/// Nothing.
+const ZERO: V3 = Triple([0.0; 3]);
+
+/// Every stage counts.
+const ALL: [usize; 6] = [0, 1, 2, 3, 4, 5];
 
 /// Slopes at the stages, and the angular velocities there: the slopes of the angle turned.
 struct Stages<const D: usize, const N: usize> {
@@ -18,7 +23,7 @@ struct Stages<const D: usize, const N: usize> {
 
 impl<const D: usize, const N: usize> Stages<D, N> {
     fn first(k1: &[f64; D]) -> Self {
-        let mut stages = Self { rate: [[0.0; D]; N], omega: [V3::zeros(); N] };
+        let mut stages = Self { rate: [[0.0; D]; N], omega: [ZERO; N] };
         stages.rate[0] = *k1;
         stages
     }
@@ -27,33 +32,33 @@ impl<const D: usize, const N: usize> Stages<D, N> {
     fn enter<C: Chart, const M: usize>(
         &mut self,
         i: usize,
-        (law, y, h): (&Law<'_, C>, &[f64; D], f64),
+        (law, y, h): (&Law<'_, C, f64>, &[f64; D], f64),
         weights: [f64; M],
     ) {
-        let at = combine(y, h, std::array::from_fn::<_, M, _>(|j| (weights[j], &self.rate[j])));
+        let at = combine(y, h, &weights, &self.rate, &ALL[..M]);
         let slope = law.slope(&at);
         self.rate[i] = slope.rate;
         self.omega[i] = turning(law, &at, &slope);
     }
 
     fn end(&self, y: &[f64; D], h: f64, weights: &[f64; N]) -> [f64; D] {
-        combine(y, h, std::array::from_fn::<_, N, _>(|j| (weights[j], &self.rate[j])))
+        combine(y, h, weights, &self.rate, &ALL[..N])
     }
 }
 
 /// The angular velocity at a state; zero when sliding.
-fn turning<const D: usize, C: Chart>(law: &Law<'_, C>, y: &[f64; D], slope: &Slope<D>) -> V3 {
+fn turning<const D: usize, C: Chart>(law: &Law<'_, C, f64>, y: &[f64; D], slope: &Slope<f64, D>) -> V3 {
     if D < ROLLING {
-        return V3::zeros();
+        return ZERO;
     }
-    angular_velocity(&slope.normal, &velocity(y), y[5], law.radius)
+    rotation(slope.normal, velocity_in(y), y[5], law.inverse_radius)
 }
 
 /// Weights of the classical scheme.
 const RK4_B: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 
 fn rk4_stages<const D: usize, C: Chart>(
-    law: &Law<'_, C>,
+    law: &Law<'_, C, f64>,
     y: &[f64; D],
     k1: &[f64; D],
     h: f64,
@@ -68,23 +73,28 @@ fn rk4_stages<const D: usize, C: Chart>(
 }
 
 /// The classical scheme: the state after h.
-pub fn rk4_land<const D: usize, C: Chart>(law: &Law<'_, C>, y: &[f64; D], k1: &[f64; D], h: f64) -> [f64; D] {
+pub fn rk4_land<const D: usize, C: Chart>(
+    law: &Law<'_, C, f64>,
+    y: &[f64; D],
+    k1: &[f64; D],
+    h: f64,
+) -> [f64; D] {
     rk4_stages(law, y, k1, h).1
 }
 
 /// The classical scheme: a whole step with cubics inside.
 pub fn rk4_step<const D: usize, C: Chart>(
-    law: &Law<'_, C>,
+    law: &Law<'_, C, f64>,
     y: &[f64; D],
-    first: &Stand<D>,
+    first: &Stand<f64, D>,
     h: f64,
-) -> Step<D> {
+) -> Step<f64, D> {
     let (mut k, end) = rk4_stages(law, y, &first.slope.rate, h);
     let last = law.stand(&end);
     k.omega[0] = turning(law, y, &first.slope);
     let omega_end = turning(law, &end, &last.slope);
-    let rise = RK4_B.iter().zip(&k.omega).map(|(b, omega)| omega * *b).sum::<V3>() * h;
-    let turn = cubic_hermite(h, [&[0.0; 3], &rise.into()], [&k.omega[0].into(), &omega_end.into()]);
+    let rise = RK4_B.iter().zip(k.omega).fold(ZERO, |sum, (b, omega)| sum + omega * *b) * h;
+    let turn = cubic_hermite(h, [&[0.0; 3], &rise.0], [&k.omega[0].0, &omega_end.0]);
     let dense = cubic_hermite(h, [y, &end], [&first.slope.rate, &last.slope.rate]);
     finish((y, first), (&end, &last), h, (dense, turn))
 }
@@ -117,7 +127,7 @@ const TSIT5_B: [f64; 6] = [
 ];
 
 fn tsit5_stages<const D: usize, C: Chart>(
-    law: &Law<'_, C>,
+    law: &Law<'_, C, f64>,
     y: &[f64; D],
     k1: &[f64; D],
     h: f64,
@@ -132,7 +142,7 @@ fn tsit5_stages<const D: usize, C: Chart>(
 
 /// Tsitouras' scheme: the state after h.
 pub fn tsit5_land<const D: usize, C: Chart>(
-    law: &Law<'_, C>,
+    law: &Law<'_, C, f64>,
     y: &[f64; D],
     k1: &[f64; D],
     h: f64,
@@ -142,16 +152,16 @@ pub fn tsit5_land<const D: usize, C: Chart>(
 
 /// Tsitouras' scheme: a whole step with its interpolant of order 4 inside.
 pub fn tsit5_step<const D: usize, C: Chart>(
-    law: &Law<'_, C>,
+    law: &Law<'_, C, f64>,
     y: &[f64; D],
-    first: &Stand<D>,
+    first: &Stand<f64, D>,
     h: f64,
-) -> Step<D> {
+) -> Step<f64, D> {
     let (mut k, end) = tsit5_stages(law, y, &first.slope.rate, h);
     let last = law.stand(&end);
     k.omega[0] = turning(law, y, &first.slope);
     let omega_end = turning(law, &end, &last.slope);
-    let turn = tsit5_dense(h, &[0.0; 3], &k.omega.map(V3::into), &omega_end.into());
+    let turn = tsit5_dense(h, &[0.0; 3], &k.omega.map(|o| o.0), &omega_end.0);
     let dense = tsit5_dense(h, y, &k.rate, &last.slope.rate);
     finish((y, first), (&end, &last), h, (dense, turn))
 }
@@ -210,18 +220,19 @@ fn tsit5_interpolant() -> [[f64; 4]; 7] {
 
 /// The step from the states and slopes at its ends, with the state and the angle turned inside.
 fn finish<const D: usize>(
-    (y, first): (&[f64; D], &Stand<D>),
-    (end, last): (&[f64; D], &Stand<D>),
+    (y, first): (&[f64; D], &Stand<f64, D>),
+    (end, last): (&[f64; D], &Stand<f64, D>),
     h: f64,
     (dense, turn): ([[f64; D]; TERMS], [[f64; 3]; TERMS]),
-) -> Step<D> {
-    let accelerations = [velocity(&first.slope.rate), velocity(&last.slope.rate)];
-    let center = quintic_hermite(h, [first.center, last.center], [velocity(y), velocity(end)], accelerations);
+) -> Step<f64, D> {
+    let accelerations = [velocity_in(&first.slope.rate), velocity_in(&last.slope.rate)];
+    let center =
+        quintic_hermite(h, [first.center, last.center], [velocity_in(y), velocity_in(end)], accelerations);
     // Linear between the ends is as good as these schemes.
     let [begin, stop] = [first.slope.reaction, last.slope.reaction];
     let inside = begin + (stop - begin) * super::step::REACTION_AT[1];
-    let turn = turn.map(V3::from);
-    Step { end: *end, error: 0.0, dense, center, turn, reaction: [begin, inside, stop] }
+    let turn = turn.map(Triple);
+    Step { end: *end, dense, center, turn, reaction: [begin, inside, stop] }
 }
 
 #[cfg(test)]

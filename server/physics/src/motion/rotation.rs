@@ -69,6 +69,12 @@ impl Turning {
         if self.pieces == 0 {
             return unit(compose(of_rotation_vector(along(&self.turn, theta)), self.start));
         }
+        let q = self.follow(theta);
+        unit(q)
+    }
+
+    /// The orientation at `theta`, of unit length but for the rounding of its pieces.
+    fn follow(&mut self, theta: f64) -> [f64; 4] {
         let h = 1.0 / f64::from(self.pieces);
         let whole = (theta / h) as u32;
         if whole < self.followed.0 {
@@ -90,7 +96,7 @@ impl Turning {
         } else {
             series(&rate_from(&self.turn, from, h), self.left_out)
         };
-        unit(compose(by, q))
+        compose(by, q)
     }
 }
 
@@ -218,12 +224,25 @@ pub fn of_rotation_vector(angle: V3) -> [f64; 4] {
         doublings += 1;
     }
     let x = half.norm_squared();
-    // sin(s)/s and 1 - cos(s) for s^2 = x <= 1/16; the first terms left out are below 1e-17.
+    // sin(s)/s and 1 - cos(s) for s^2 = x <= 1/16, in 1/n!; the first terms left out are below 1e-17.
+    let series = |c: [f64; 6]| c.iter().rev().fold(0.0, |sum, c| (sum + c) * x);
     let sinc = 1.0
-        - x / 6.0
-            * (1.0 - x / 20.0 * (1.0 - x / 42.0 * (1.0 - x / 72.0 * (1.0 - x / 110.0 * (1.0 - x / 156.0)))));
-    let versine = x / 2.0
-        * (1.0 - x / 12.0 * (1.0 - x / 30.0 * (1.0 - x / 56.0 * (1.0 - x / 90.0 * (1.0 - x / 132.0)))));
+        + series([
+            -1.0 / 6.0,
+            1.0 / 120.0,
+            -1.0 / 5040.0,
+            1.0 / 362_880.0,
+            -1.0 / 39_916_800.0,
+            1.0 / 6_227_020_800.0,
+        ]);
+    let versine = series([
+        1.0 / 2.0,
+        -1.0 / 24.0,
+        1.0 / 720.0,
+        -1.0 / 40_320.0,
+        1.0 / 3_628_800.0,
+        -1.0 / 479_001_600.0,
+    ]);
     let mut v = half * sinc;
     let mut w = 1.0 - versine;
     for _ in 0..doublings {
@@ -231,8 +250,9 @@ pub fn of_rotation_vector(angle: V3) -> [f64; 4] {
         let next = w * w - v.norm_squared();
         v *= 2.0 * w;
         let length = (next * next + v.norm_squared()).sqrt();
-        v /= length;
-        w = next / length;
+        let inverse = 1.0 / length;
+        v *= inverse;
+        w = next * inverse;
     }
     [v.x, v.y, v.z, w]
 }
@@ -247,7 +267,8 @@ pub fn compose(after: [f64; 4], before: [f64; 4]) -> [f64; 4] {
 /// A quaternion brought back to unit length.
 pub fn unit(q: [f64; 4]) -> [f64; 4] {
     let length = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
-    if length > 0.0 { q.map(|x| x / length) } else { [0.0, 0.0, 0.0, 1.0] }
+    let inverse = 1.0 / length;
+    if length > 0.0 { q.map(|x| x * inverse) } else { [0.0, 0.0, 0.0, 1.0] }
 }
 
 #[cfg(test)]

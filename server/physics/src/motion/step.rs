@@ -1,59 +1,72 @@
 //! What one integration step leaves behind, whatever the scheme.
 
-use nalgebra::Vector3;
-
-type V3 = Vector3<f64>;
+use crate::number::{Number, Triple};
 
 /// Coefficients of a polynomial of degree 7 in theta = (t - start)/h.
 pub const TERMS: usize = 8;
 
-/// A step from 0 to h with its dense output.
+/// A step from 0 to h with its dense output, of one ball or of several side by side.
 #[derive(Clone, Copy, Debug)]
-pub struct Step<const D: usize> {
+pub struct Step<T, const D: usize> {
     /// State at the end.
-    pub end: [f64; D],
-    /// Estimated error of position, m; 0 for a scheme of fixed step.
-    pub error: f64,
+    pub end: [T; D],
     /// The state within the step, `dense[power][component]`.
-    pub dense: [[f64; D]; TERMS],
+    pub dense: [[T; D]; TERMS],
     /// The centre within the step, `center[power]`; exact at both ends.
-    pub center: [V3; TERMS],
+    pub center: [Triple<T>; TERMS],
     /// Angle turned within the step (the integral of the angular velocity, rad), `turn[power]`; zero when sliding.
-    pub turn: [V3; TERMS],
+    pub turn: [Triple<T>; TERMS],
     /// Floor reaction per mass at `REACTION_AT`, m/s^2.
-    pub reaction: [f64; 3],
+    pub reaction: [T; 3],
 }
 
 /// Where within the step the reaction is taken.
 pub const REACTION_AT: [f64; 3] = [0.0, 7.0 / 9.0, 1.0];
 
-/// y + h sum of `weight * slope`.
-#[inline]
-pub fn combine<const D: usize, const M: usize>(
-    y: &[f64; D],
-    h: f64,
-    terms: [(f64, &[f64; D]); M],
-) -> [f64; D] {
-    let mut sum = [0.0; D];
-    for (weight, slope) in terms {
-        for i in 0..D {
-            sum[i] += weight * slope[i];
-        }
-    }
+/// y + h sum of `weight * slope` over the stages that are used.
+#[inline(always)]
+pub fn combine<T: Number, const D: usize>(
+    y: &[T; D],
+    h: T,
+    weights: &[f64],
+    slopes: &[[T; D]],
+    used: &[usize],
+) -> [T; D] {
+    let sum = weigh(weights, slopes, used);
     let mut out = *y;
     for i in 0..D {
-        out[i] += h * sum[i];
+        out[i] = y[i] + h * sum[i];
     }
     out
 }
 
+/// Sum of `weight * slope` over the stages that are used, of which there is at least one.
+#[inline(always)]
+pub fn weigh<T: Number, const D: usize>(weights: &[f64], slopes: &[[T; D]], used: &[usize]) -> [T; D] {
+    let mut sum = slopes[used[0]];
+    for i in 0..D {
+        sum[i] = sum[i] * weights[used[0]];
+    }
+    for stage in &used[1..] {
+        for i in 0..D {
+            sum[i] = sum[i] + slopes[*stage][i] * weights[*stage];
+        }
+    }
+    sum
+}
+
 /// The polynomial of degree 5 that has the given position, velocity and acceleration at both ends, in powers
 /// of theta; its error is of order h^6.
-pub fn quintic_hermite(h: f64, position: [V3; 2], velocity: [V3; 2], acceleration: [V3; 2]) -> [V3; TERMS] {
+pub fn quintic_hermite(
+    h: f64,
+    position: [Triple<f64>; 2],
+    velocity: [Triple<f64>; 2],
+    acceleration: [Triple<f64>; 2],
+) -> [Triple<f64>; TERMS] {
     let (v0, v1) = (velocity[0] * h, velocity[1] * h);
     let (a0, a1) = (acceleration[0] * (h * h), acceleration[1] * (h * h));
     let rise = position[1] - position[0];
-    let mut c = [V3::zeros(); TERMS];
+    let mut c = [Triple([0.0; 3]); TERMS];
     c[0] = position[0];
     c[1] = v0;
     c[2] = a0 * 0.5;

@@ -60,7 +60,8 @@ fn solve(surface: &Surface, target: [f64; 2], radius: f64, start: [f64; 2]) -> O
                 frame.combine(a - radius * alpha, b - radius * beta)
             };
             let (du, dv) = (column(l, m, 1.0, 0.0), column(m, n, 0.0, 1.0));
-            ([c.x - target[0], c.y - target[1]], [[du.x, dv.x], [du.y, dv.y]])
+            let [[cx, cy, _], [ux, uy, _], [vx, vy, _]] = [c.0, du.0, dv.0];
+            ([cx - target[0], cy - target[1]], [[ux, vx], [uy, vy]])
         })
     };
     let size = |r: [f64; 2]| r[0].abs().max(r[1].abs());
@@ -101,8 +102,8 @@ fn start(surface: &Surface, target: [f64; 2]) -> [f64; 2] {
     for i in 0..=16 {
         for j in 0..=16 {
             let q = surface.chart([f64::from(i) / 16.0, f64::from(j) / 16.0]);
-            let p = with_chart!(&surface.kernel, chart => chart.frame(q).point());
-            let distance = (p.x - target[0]).abs().max((p.y - target[1]).abs());
+            let [x, y, _] = with_chart!(&surface.kernel, chart => chart.frame(q).point()).0;
+            let distance = (x - target[0]).abs().max((y - target[1]).abs());
             if distance < best.1 {
                 best = (q, distance);
             }

@@ -1,0 +1,215 @@
+//! What the kernels cost, with the error beside every time.
+//!
+//! `cargo bench -p ballroom-physics --bench kernels`. Times are CPU times, the least of several rounds; errors are
+//! the largest of a centre over all states at 60 Hz of 10 s, beside the same balls at 1e-13 m.
+
+use ballroom_cases::scenes::walls;
+use ballroom_physics::motion::arc::Arc;
+use ballroom_physics::motion::body::{Body, Stepping};
+use ballroom_physics::motion::together::{self, Launch};
+use ballroom_physics::surface::bezier::BezierPatch;
+use ballroom_physics::surface::chart::Surface;
+use ballroom_physics::tolerance::STEP_FIRST;
+use ballroom_physics::{Accuracy, BallSpec, Controller, Floor, HIT_BUDGET, MotionLaw, Place, Scene, Time};
+use cpu_time::ProcessTime;
+use nalgebra::{Vector2, Vector3};
+use std::hint::black_box;
+
+/// Simulated seconds of a ride.
+const SECONDS: u32 = 10;
+/// Ticks a second at which errors are looked for.
+const RATE_HZ: u32 = 60;
+/// Free balls at once.
+const BALLS: usize = 1000;
+
+fn main() {
+    println!("{:<44}{:>12}{:>14}", "", "us per s", "error, m");
+    for tolerance in [1e-9, 1e-12] {
+        alone(tolerance);
+        free(tolerance);
+    }
+}
+
+/// The floor of the scene `bicubic`.
+fn floor() -> Floor {
+    let rows = [
+        [1.710_229_780_346_295_6, 0.553_504_343_639_055_2, 0.450_363_397_597_931_2, 1.129_678_145_462_162_3],
+        [0.027_750_408_838_121_188, 0.079_434_042_560_891_86, 0.964_083_212_494_554, 0.499_655_080_139_429_1],
+        [
+            0.771_191_378_348_111_4,
+            -0.371_663_198_953_479_43,
+            0.189_779_986_640_313_76,
+            0.402_879_028_865_386_3,
+        ],
+        [1.058_057_598_468_017_6, 0.608_683_572_255_619_3, 0.578_508_968_081_267_8, 1.102_299_755_691_336_3],
+    ];
+    let heights = rows.map(Vec::from).to_vec();
+    Floor::Bezier(BezierPatch::from_heights([-1.5, 1.5], [-1.5, 1.5], &heights).expect("a regular grid"))
+}
+
+fn scene(tolerance: f64) -> Scene {
+    let player = BallSpec {
+        name: "player".into(),
+        radius: 0.05,
+        mass: 1.0,
+        inertia_factor: 0.4,
+        place: Place::Uv(Vector2::new(0.3, 0.42)),
+        velocity: Vector3::new(1.0, 0.6, 0.0),
+        spin: 16.0,
+    };
+    Scene {
+        floor: floor(),
+        walls: walls([-1.5, 1.5], [-1.5, 1.5]),
+        balls: vec![player],
+        gravity: Vector3::new(0.0, 0.0, -9.81),
+        motion: MotionLaw::Rolling,
+        restitution: 1.0,
+        accuracy: Accuracy::Tolerance(tolerance),
+        hit_budget: HIT_BUDGET,
+    }
+}
+
+fn row(what: &str, us: f64, error: f64) {
+    println!("{what:<44}{us:>12.2}{error:>14.1e}");
+}
+
+/// The least CPU time of a call, s; each round makes `calls` of them.
+fn least(rounds: u32, calls: u32, mut call: impl FnMut()) -> f64 {
+    let mut best = f64::INFINITY;
+    for _ in 0..rounds {
+        let start = ProcessTime::now();
+        for _ in 0..calls {
+            call();
+        }
+        best = best.min(start.elapsed().as_secs_f64() / f64::from(calls));
+    }
+    best
+}
+
+/// One ball in a whole engine: when states are asked for at the end only, and at every tick.
+fn alone(tolerance: f64) {
+    let start = Controller::new(&scene(tolerance)).expect("a good scene");
+    let mut fine = Controller::new(&scene(1e-13)).expect("a good scene");
+    let mut engine = start.clone();
+    let mut error = 0.0_f64;
+    for tick in 1..=u64::from(SECONDS * RATE_HZ) {
+        for run in [&mut engine, &mut fine] {
+            run.advance_to(Time::of_tick(tick, RATE_HZ));
+        }
+        error = error.max((engine.balls()[0].center - fine.balls()[0].center).norm());
+    }
+    for (rate, name) in [(1, "looked at once a second"), (RATE_HZ, "at 60 Hz")] {
+        let mut engine = start.clone();
+        let time = least(30, 20, || {
+            engine.clone_from(&start);
+            for tick in 1..=u64::from(SECONDS * rate) {
+                engine.advance_to(Time::of_tick(tick, rate));
+            }
+            black_box(engine.balls());
+        });
+        row(&format!("alone, {tolerance:.0e} m, {name}"), time * 1e6 / f64::from(SECONDS), error);
+    }
+}
+
+/// A ball of its own for each number, all in the same bowl and none in another's way.
+struct Free {
+    surface: Surface,
+    accuracy: Accuracy,
+    bodies: Vec<Body>,
+    steppings: Vec<Stepping>,
+    arcs: Vec<Arc>,
+}
+
+impl Free {
+    fn new(tolerance: f64) -> Self {
+        let patch = match floor() {
+            Floor::Bezier(patch) => patch,
+            Floor::Polynomial { .. } => unreachable!("the bench's floor is a net"),
+        };
+        let surface = Surface::new(&floor(), &patch, 1.0);
+        let body =
+            Body { radius: 0.05, inertia_factor: 0.4, rolls: true, applied: Vector3::new(0.0, 0.0, -9.81) };
+        let accuracy = Accuracy::Tolerance(tolerance);
+        let stepping = Stepping { try_s: STEP_FIRST, steps: 0, forced: 0 };
+        let mut free = Self {
+            surface,
+            accuracy,
+            bodies: vec![body; BALLS],
+            steppings: vec![stepping; BALLS],
+            arcs: vec![Arc::empty(body.radius); BALLS],
+        };
+        for ball in 0..BALLS {
+            let (i, j) = ((ball % 32) as f64 / 32.0, (ball / 32) as f64 / 32.0);
+            let mut state = [0.6 * i - 0.75, 0.6 * j - 0.42, 1.0 - 0.4 * i, 0.6 - 0.7 * j, 0.0, 0.8 - i * j];
+            body.settle(&free.surface, &mut state);
+            free.launch(ball, Time::ZERO, state);
+        }
+        free
+    }
+
+    fn launch(&mut self, ball: usize, start: Time, state: [f64; 6]) {
+        let arc = &mut self.arcs[ball];
+        arc.turning.start = arc.orientation_at(arc.length);
+        let from = (start, &state);
+        self.bodies[ball].launch(&self.surface, self.accuracy, from, &mut self.steppings[ball], arc);
+    }
+
+    /// Every ball's arc that reaches `time`, each ball for itself.
+    fn advance(&mut self, time: Time) {
+        for ball in 0..BALLS {
+            while self.arcs[ball].finish() <= time {
+                let (start, state) = (self.arcs[ball].finish(), self.arcs[ball].end);
+                self.launch(ball, start, state);
+            }
+        }
+    }
+
+    /// The same, in full lanes.
+    fn advance_together(&mut self, time: Time) {
+        let Self { surface, accuracy, bodies, steppings, arcs } = self;
+        loop {
+            let balls = bodies.iter().zip(steppings.iter_mut()).zip(arcs.iter_mut());
+            let mut due: Vec<_> = balls
+                .filter(|(_, arc)| arc.finish() <= time)
+                .map(|((body, stepping), arc)| {
+                    let start = arc.orientation_at(arc.length);
+                    arc.turning.start = start;
+                    (arc.start, arc.state) = (arc.finish(), arc.end);
+                    Launch { body, stepping, arc }
+                })
+                .collect();
+            if due.is_empty() {
+                return;
+            }
+            together::launch(surface, *accuracy, &mut due);
+        }
+    }
+
+    fn centers(&self, time: Time) -> impl Iterator<Item = Vector3<f64>> {
+        self.arcs.iter().map(move |arc| arc.center_at(time.since(arc.start)))
+    }
+}
+
+/// Many balls, arcs only.
+fn free(tolerance: f64) {
+    let (mut coarse, mut fine) = (Free::new(tolerance), Free::new(1e-13));
+    let mut error = 0.0_f64;
+    for tick in 1..=u64::from(SECONDS * RATE_HZ) {
+        let time = Time::of_tick(tick, RATE_HZ);
+        coarse.advance(time);
+        fine.advance(time);
+        let apart = coarse.centers(time).zip(fine.centers(time)).map(|(a, b)| (a - b).norm());
+        error = apart.fold(error, f64::max);
+    }
+    let run = |name: &str, advance: fn(&mut Free, Time)| {
+        let mut free = Free::new(tolerance);
+        let mut seconds = 0;
+        let time = least(30, 1, || {
+            seconds += 1;
+            advance(&mut free, Time::of_seconds(f64::from(seconds)));
+        });
+        row(&format!("one of {BALLS} free, {tolerance:.0e} m, {name}"), time * 1e6 / BALLS as f64, error);
+    };
+    run("one at a time", Free::advance);
+    run("side by side", Free::advance_together);
+}

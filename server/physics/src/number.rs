@@ -1,0 +1,118 @@
+//! What the kernels compute with: one number, or several balls' numbers side by side.
+//!
+//! A kernel written over [`Number`] does the same operations in the same order for either, and every one of them is
+//! correctly rounded: a lane's bits are those of the ball alone. Nothing fuses a product and a sum.
+
+use nalgebra::Vector3;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number, or a row of numbers, with the operations that IEEE 754 rounds correctly.
+pub trait Number:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// `x` in every lane.
+    #[must_use]
+    fn like(self, x: f64) -> Self;
+    /// The square root.
+    #[must_use]
+    fn sqrt(self) -> Self;
+}
+
+impl Number for f64 {
+    #[inline(always)]
+    fn like(self, x: f64) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+}
+
+/// A row of the same number in every lane. Plain loops fill rows: a closure may become a call, which a kernel compiled
+/// for wide vectors cannot afford.
+#[inline(always)]
+pub fn row<T: Number, const N: usize>(like: T, x: &[f64; N]) -> [T; N] {
+    let mut out = [like; N];
+    for i in 0..N {
+        out[i] = like.like(x[i]);
+    }
+    out
+}
+
+/// Three numbers in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triple<T>(pub [T; 3]);
+
+impl<T: Number> Triple<T> {
+    /// The inner product.
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> T {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        a * x + b * y + c * z
+    }
+
+    /// The cross product.
+    #[inline(always)]
+    #[must_use]
+    pub fn cross(self, other: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Self([b * z - c * y, c * x - a * z, a * y - b * x])
+    }
+}
+
+impl<T: Number> Add for Triple<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Self([a + x, b + y, c + z])
+    }
+}
+
+impl<T: Number> Sub for Triple<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Self([a - x, b - y, c - z])
+    }
+}
+
+impl<T: Number> Mul<T> for Triple<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: T) -> Self {
+        let [a, b, c] = self.0;
+        Self([a * factor, b * factor, c * factor])
+    }
+}
+
+impl<T: Number> Neg for Triple<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        let [a, b, c] = self.0;
+        Self([-a, -b, -c])
+    }
+}
+
+impl From<Triple<f64>> for Vector3<f64> {
+    #[inline(always)]
+    fn from(v: Triple<f64>) -> Self {
+        v.0.into()
+    }
+}
+
+impl From<Vector3<f64>> for Triple<f64> {
+    #[inline(always)]
+    fn from(v: Vector3<f64>) -> Self {
+        Self(v.into())
+    }
+}
