@@ -114,10 +114,6 @@ pub const POLISH_SPAN: f64 = QUANTUM;
 /// Corrections by integrating afresh before the rest is applied to first order.
 pub const POLISH_ROUNDS: u32 = 4;
 
-/// Half the side of the square around a ball that is hit in which others may touch it, in radii: 1, and room for the
-/// polish.
-pub const GATHER_RADII: f64 = 1.01;
-
 /// Contacts solved as one impact; more are solved one after the other in order of their ids.
 pub const CLUSTER_MAX: usize = 128;
 /// Contacts solved as one slow impact: enough for a row of balls that settle together, few enough for a pile.

@@ -139,16 +139,11 @@ impl BroadPhase {
     }
 
     /// Calls `visit` for every other ball whose bounds meet those of `ball`, in no particular order.
-    pub fn neighbours(&self, ball: usize, visit: impl FnMut(usize)) {
-        self.neighbours_within(ball, &self.bounds[ball], visit);
-    }
-
-    /// The same for other bounds than those that `ball` is filed under.
-    #[inline]
-    pub fn neighbours_within(&self, ball: usize, mine: &Bounds, mut visit: impl FnMut(usize)) {
+    pub fn neighbours(&self, ball: usize, mut visit: impl FnMut(usize)) {
         if self.cell.len() == 1 {
             return;
         }
+        let mine = &self.bounds[ball];
         for grid in &self.grids {
             let [(i0, i1), (j0, j1)] = [0, 1].map(|axis| {
                 let low = grid.index(axis, mine[axis] - grid.reach[axis]);
@@ -171,15 +166,15 @@ impl BroadPhase {
             }
         }
         if self.wide != NOBODY {
-            self.visit_wide(ball, mine, &mut visit);
+            self.visit_wide(ball, &mut visit);
         }
     }
 
     #[cold]
-    fn visit_wide(&self, ball: usize, mine: &Bounds, visit: &mut dyn FnMut(usize)) {
+    fn visit_wide(&self, ball: usize, visit: &mut dyn FnMut(usize)) {
         let mut other = self.wide;
         while other != NOBODY {
-            if other as usize != ball && meet(mine, &self.bounds[other as usize]) {
+            if other as usize != ball && meet(&self.bounds[ball], &self.bounds[other as usize]) {
                 visit(other as usize);
             }
             other = self.next[other as usize];
