@@ -175,7 +175,7 @@ impl Free {
                     let start = arc.orientation_at(arc.length);
                     arc.turning.start = start;
                     (arc.start, arc.state) = (arc.finish(), arc.end);
-                    Launch { body, stepping, arc }
+                    Some(Launch { body, stepping, arc })
                 })
                 .collect();
             if due.is_empty() {

@@ -11,6 +11,8 @@
 //! | [`resolve`] | what happens then |
 //! | [`schedule`] | in which order |
 
+#![allow(clippy::inline_always, reason = "what is compiled for wide vectors must be inlined whole")]
+
 pub mod controller;
 pub mod detect;
 pub mod diagnostics;

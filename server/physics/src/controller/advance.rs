@@ -4,6 +4,7 @@ use super::{Controller, Shard};
 use crate::diagnostics::Report;
 use crate::motion::arc::Path;
 use crate::motion::law::State;
+use crate::motion::together::{self, Launch};
 use crate::schedule::event::{Next, What};
 use crate::schedule::time::{QUANTUM, Time};
 
@@ -13,7 +14,9 @@ impl Controller {
     pub fn advance_to(&mut self, time: Time) -> Report {
         if self.shards.is_some() {
             let in_turn = &mut |shards: &mut Vec<Shard>, until| {
-                shards.iter_mut().for_each(|shard| shard.advance_to(until));
+                for shard in shards {
+                    shard.advance_to(until);
+                }
             };
             return self.advance_divided(time, in_turn);
         }
@@ -69,7 +72,7 @@ impl Controller {
                 Path::Curved => {
                     let state = arc.end;
                     self.close_arc(ball, time);
-                    self.launch(ball, time, &state);
+                    self.go_on(ball, time, &state);
                 }
                 Path::Parabola | Path::Held => {
                     let dt = time.since(arc.start);
@@ -83,12 +86,17 @@ impl Controller {
 
     /// Closes the present arc and puts a ball that was hit or pushed on a new one.
     pub(super) fn relaunch(&mut self, ball: usize, time: Time, state: &State) {
+        self.leave(ball, time, state);
+        self.launch(ball, time, state);
+    }
+
+    /// Closes the present arc of a ball that was hit or pushed, and finds the force on its new one.
+    pub(super) fn leave(&mut self, ball: usize, time: Time, state: &State) {
         self.close_arc(ball, time);
         if self.balls[ball].drive.is_some() {
             // The speed limit asks for another force.
             self.balls[ball].body.applied = self.applied(ball, state, time);
         }
-        self.launch(ball, time, state);
     }
 
     /// Takes stock of the present arc at its end, and keeps the orientation for the next.
@@ -109,7 +117,36 @@ impl Controller {
         let b = &mut self.balls[ball];
         let before = b.stepping.steps;
         b.body.launch(&self.surface, self.accuracy, (time, state), &mut b.stepping, &mut self.arcs[ball]);
-        self.report.steps += b.stepping.steps - before;
+        let steps = b.stepping.steps - before;
+        self.launched(ball, time, state, steps);
+    }
+
+    /// Puts two balls on new arcs at once: the same arcs.
+    pub(super) fn launch_pair(&mut self, time: Time, pair: [(usize, State); 2]) {
+        let places = pair.map(|(ball, _)| ball);
+        let (Ok(balls), Ok(arcs)) = (self.balls.get_disjoint_mut(places), self.arcs.get_disjoint_mut(places))
+        else {
+            return;
+        };
+        let ([a, b], [arc_a, arc_b]) = (balls, arcs);
+        let before = [a.stepping.steps, b.stepping.steps];
+        (arc_a.start, arc_a.state) = (time, pair[0].1);
+        (arc_b.start, arc_b.state) = (time, pair[1].1);
+        let launches = [
+            Launch { body: &a.body, stepping: &mut a.stepping, arc: arc_a },
+            Launch { body: &b.body, stepping: &mut b.stepping, arc: arc_b },
+        ];
+        together::launch(&self.surface, self.accuracy, &mut launches.map(Some));
+        for ((ball, state), before) in pair.iter().zip(before) {
+            let steps = self.balls[*ball].stepping.steps - before;
+            self.launched(*ball, time, state, steps);
+        }
+    }
+
+    /// Takes stock of a launch that took `steps`.
+    pub(super) fn launched(&mut self, ball: usize, time: Time, state: &State, steps: u64) {
+        let b = &mut self.balls[ball];
+        self.report.steps += steps;
         self.report.fallbacks += std::mem::take(&mut b.stepping.forced);
         let arc = &mut self.arcs[ball];
         arc.stamp = arc.stamp.wrapping_add(1);

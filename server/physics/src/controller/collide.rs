@@ -4,10 +4,11 @@ use super::Controller;
 use crate::diagnostics::{Hit, HitPartner};
 use crate::motion::arc::Path;
 use crate::motion::law::{State, velocity};
+use crate::motion::together::{self, Landing};
 use crate::resolve::impact::{Contact, Member, hop, resolve_cluster, resolve_one};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{
-    self, CLUSTER_MAX, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
+    self, CLUSTER_MAX, GATHER_RADII, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
     SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
 };
 use nalgebra::Vector3;
@@ -78,7 +79,7 @@ impl Controller {
         let mut cluster = std::mem::take(&mut self.work.cluster);
         cluster.clear();
         for round in 0..=POLISH_ROUNDS {
-            let (la, lb) = (self.land(a, t), self.land(b, t));
+            let [la, lb] = self.land_pair([a, b], t);
             let apart = lb.center - la.center;
             let distance = apart.norm();
             let (wa, wb) = (velocity(&la.state), velocity(&lb.state));
@@ -141,6 +142,19 @@ impl Controller {
         let (state, slope) = arc.land(body, &self.surface, self.accuracy, dt);
         let (center, normal) = body.seat(&self.surface, &state);
         Landed { ball, state, slope, center, normal }
+    }
+
+    /// Both at once: the same numbers.
+    fn land_pair(&self, pair: [usize; 2], time: Time) -> [Landed; 2] {
+        let at = pair.map(|ball| {
+            let arc = &self.arcs[ball];
+            (&self.balls[ball].body, arc, time.since(arc.start).max(0.0))
+        });
+        let [a, b] = together::land(&self.surface, self.accuracy, at);
+        [(pair[0], a), (pair[1], b)].map(|(ball, landing)| {
+            let Landing { state, slope, center, normal } = landing;
+            Landed { ball, state, slope, center, normal }
+        })
     }
 
     /// Seconds by which a hit must be moved to close `gap`; None when it stands within rounding, when nothing
@@ -247,7 +261,10 @@ impl Controller {
             }
             let mut found = std::mem::take(&mut cluster.found);
             found.clear();
-            self.broad_phase.neighbours(ball, |other| {
+            // A little more than the ball itself: others' bounds hold them whole.
+            let side = radius * GATHER_RADII + POLISH;
+            let bounds = [center.x - side, center.y - side, center.x + side, center.y + side];
+            self.broad_phase.neighbours_within(ball, &bounds, |other| {
                 let arc = &self.arcs[other];
                 let apart = arc.center_at(time.since(arc.start)) - center;
                 let reach = radius + arc.radius + POLISH;
@@ -327,6 +344,7 @@ impl Controller {
     fn relaunch_moved(&mut self, cluster: &mut Cluster, time: Time, now: Time) {
         let hit = cluster.contacts[0];
         cluster.found.clear();
+        let mut waiting = None;
         for (place, member) in cluster.members.iter().enumerate() {
             let first = place == hit.a || Some(place) == hit.b;
             if !first && member.velocity == cluster.before[place] {
@@ -342,8 +360,16 @@ impl Controller {
             if cluster.held[place] {
                 self.hold(ball, time, &state);
             } else {
-                self.relaunch(ball, time, &state);
+                self.leave(ball, time, &state);
+                // Two by two.
+                match waiting.take() {
+                    None => waiting = Some((ball, state)),
+                    Some(other) => self.launch_pair(time, [other, (ball, state)]),
+                }
             }
+        }
+        if let Some((ball, state)) = waiting {
+            self.launch(ball, time, &state);
         }
         for ball in cluster.found.drain(..) {
             self.predict(ball, now);

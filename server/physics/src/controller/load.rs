@@ -8,6 +8,7 @@ use crate::diagnostics::Report;
 use crate::motion::arc::Arc;
 use crate::motion::body::{Body, Stepping};
 use crate::motion::law::{ROLLING, State};
+use crate::motion::together;
 use crate::scene::{Accuracy, BallSpec, Floor, MotionLaw, Scene, SceneFault};
 use crate::schedule::queue::Queue;
 use crate::schedule::time::Time;
@@ -70,6 +71,7 @@ impl Controller {
             balls.push(ball);
         }
         let bounds = extent(&patch);
+        let work = Work::new(order.len(), together::width(&surface, scene.accuracy));
         Ok(Self {
             broad_phase: BroadPhase::new(&radii, bounds),
             span: (bounds[2] - bounds[0]).max(bounds[3] - bounds[1]),
@@ -90,7 +92,7 @@ impl Controller {
             hits: Vec::with_capacity(HITS_KEPT),
             report: Report::default(),
             ledger: Ledger::new(),
-            work: Work::new(),
+            work,
             share: None,
             shards: None,
         })

@@ -5,6 +5,7 @@
 //! | a scene is checked and its balls are set down | `load` |
 //! | an advance: the first event of all, again and again | `advance` |
 //! | what a ball will meet within its window | `predict` |
+//! | next arcs, several at once | `prepare` |
 //! | a hit | `collide` |
 //! | a push, a held force | `steer` |
 //! | balls set anew, all or none | `reseat` |
@@ -23,6 +24,7 @@ mod load;
 mod observe;
 mod plain;
 mod predict;
+mod prepare;
 mod reseat;
 mod shards;
 mod sound;
@@ -132,14 +134,20 @@ pub struct Controller {
 struct Work {
     scratch: Scratch,
     cluster: collide::Cluster,
+    ahead: prepare::Ahead,
     /// What a search found to come next for others.
     theirs: Vec<(usize, Next)>,
 }
 
 impl Work {
-    fn new() -> Self {
-        let scratch = Scratch::with_room(CLUSTER_MAX + 1);
-        Self { scratch, cluster: collide::Cluster::new(), theirs: Vec::with_capacity(1024) }
+    /// For so many balls, `width` of which are computed side by side.
+    fn new(balls: usize, width: usize) -> Self {
+        Self {
+            scratch: Scratch::with_room(CLUSTER_MAX + 1),
+            cluster: collide::Cluster::new(),
+            ahead: prepare::Ahead::new(balls, width),
+            theirs: Vec::with_capacity(1024),
+        }
     }
 }
 

@@ -93,7 +93,7 @@ plain!(
     Arc: start window_end stamp length path state turning;
     scale radius acceleration_bound slope center dense end reaction
 );
-plain!(Turning: start; turn pieces magnus left_out);
+plain!(Turning: start; turn pieces magnus doublings left_out);
 plain!(Next: time what;);
 plain!(
     Report: collisions;

@@ -69,6 +69,7 @@ impl Controller {
             self.queue.set(other, theirs);
             self.has_changed(other);
         }
+        self.line_up(ball);
     }
 
     /// A window ends with the arc, before the ball has travelled far, and for a driven ball with the quantum.

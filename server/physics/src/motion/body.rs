@@ -1,10 +1,11 @@
 //! A body: what moves a ball and does not change along an arc, and how it is launched, held and landed.
 
 use super::arc::{Arc, Path, narrow, widen};
-use super::dop853;
+use super::dop853::{self, Attempt};
 use super::law::{Law, ROLLING, SLIDING, Stand, State, angular_velocity, velocity};
 use super::low_order;
 use super::step::{Step, TERMS};
+use super::step_size;
 use crate::number::Triple;
 use crate::scene::{Accuracy, Scheme};
 use crate::schedule::time::Time;
@@ -30,7 +31,7 @@ pub struct Body {
 /// Length of step wanted next, and steps spent.
 #[derive(Clone, Copy, Debug)]
 pub struct Stepping {
-    /// Step to try, s: a power of two, or the scene's fixed step.
+    /// Step to try, s: of few bits, or the scene's fixed step.
     pub try_s: f64,
     /// Steps computed, kept or not.
     pub steps: u64,
@@ -168,6 +169,29 @@ impl Body {
     }
 }
 
+/// One copy for all who step one ball.
+#[inline(never)]
+fn attempt_alone<const D: usize, C: Chart>(
+    law: &Law<'_, C, f64>,
+    y: &[f64; D],
+    slope: &[f64; D],
+    h: f64,
+) -> Attempt<f64, D> {
+    dop853::attempt(law, y, slope, h)
+}
+
+/// See [`attempt_alone`].
+#[inline(never)]
+fn finish_alone<const D: usize, C: Chart>(
+    law: &Law<'_, C, f64>,
+    y: &[f64; D],
+    first: &Stand<f64, D>,
+    h: f64,
+    attempt: Attempt<f64, D>,
+) -> Step<f64, D> {
+    dop853::finish(law, y, first, h, attempt)
+}
+
 fn land_by<const D: usize, C: Chart>(
     law: &Law<'_, C, f64>,
     accuracy: Accuracy,
@@ -177,7 +201,7 @@ fn land_by<const D: usize, C: Chart>(
 ) -> ([f64; D], [f64; D]) {
     let end = match accuracy {
         Accuracy::Tolerance(_) | Accuracy::Fixed(Scheme::Dop853, _) => {
-            return dop853::land(law, y, slope, dt);
+            return attempt_alone(law, y, slope, dt).landed();
         }
         Accuracy::Fixed(Scheme::Rk4, _) => low_order::rk4_land(law, y, slope, dt),
         Accuracy::Fixed(Scheme::Tsit5, _) => low_order::tsit5_land(law, y, slope, dt),
@@ -185,7 +209,7 @@ fn land_by<const D: usize, C: Chart>(
     (end, law.slope(&end).rate)
 }
 
-/// One accepted step and its length. The ladder of powers of two makes acceptance repeatable.
+/// One accepted step and its length.
 fn step_by<const D: usize, C: Chart>(
     law: &Law<'_, C, f64>,
     accuracy: Accuracy,
@@ -201,7 +225,8 @@ fn step_by<const D: usize, C: Chart>(
                 Scheme::Rk4 => low_order::rk4_step(law, y, first, h),
                 Scheme::Tsit5 => low_order::tsit5_step(law, y, first, h),
                 Scheme::Dop853 => {
-                    dop853::finish(law, y, first, h, dop853::attempt(law, y, &first.slope.rate, h))
+                    let attempt = attempt_alone(law, y, &first.slope.rate, h);
+                    finish_alone(law, y, first, h, attempt)
                 }
             };
             return (h, step);
@@ -209,10 +234,10 @@ fn step_by<const D: usize, C: Chart>(
     };
     loop {
         let h = stepping.try_s;
-        let attempt = dop853::attempt(law, y, &first.slope.rate, h);
-        let error = dop853::error_estimate(h, first.stretch, attempt.errors());
+        let attempt = attempt_alone(law, y, &first.slope.rate, h);
+        let error = dop853::error_estimate(h, first.stretch, first.precession, attempt.errors());
         match stepping.judge(tolerance, error) {
-            Verdict::Kept => return (h, dop853::finish(law, y, first, h, attempt)),
+            Verdict::Kept => return (h, finish_alone(law, y, first, h, attempt)),
             Verdict::Refused => {}
             Verdict::GivenUp => return (h, not_finite()),
         }
@@ -231,25 +256,19 @@ pub(super) enum Verdict {
 }
 
 impl Stepping {
-    /// Counts a step of [`Self::try_s`] with this error, and chooses the length of the next. The ladder of powers of two
-    /// makes acceptance repeatable.
+    /// Counts a step of [`Self::try_s`] with this error, and chooses the length of the next. Whether it is kept depends on
+    /// nothing else.
     pub(super) fn judge(&mut self, tolerance: f64, error: f64) -> Verdict {
         let h = self.try_s;
         let allowed = tolerance::allowed_error(tolerance, h);
         let smallest = h <= tolerance::STEP_MIN;
         self.steps += 1;
+        self.try_s = step_size::next(h, allowed, error);
         // A NaN is refused too.
         if error.is_nan() || (error > allowed && !smallest) {
-            if smallest {
-                return Verdict::GivenUp;
-            }
-            self.try_s = 0.5 * h;
-            return Verdict::Refused;
+            return if smallest { Verdict::GivenUp } else { Verdict::Refused };
         }
         self.forced += u64::from(error > allowed);
-        if error * tolerance::GROWTH_OF_DOUBLING <= allowed && h < tolerance::STEP_MAX {
-            self.try_s = 2.0 * h;
-        }
         Verdict::Kept
     }
 }

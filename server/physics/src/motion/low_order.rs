@@ -15,6 +15,18 @@ const ZERO: V3 = Triple([0.0; 3]);
 /// Every stage counts.
 const ALL: [usize; 6] = [0, 1, 2, 3, 4, 5];
 
+/// The right-hand side as a call: these schemes are compared by their errors, not by their speed.
+#[inline(never)]
+fn slope<const D: usize, C: Chart>(law: &Law<'_, C, f64>, y: &[f64; D]) -> Slope<f64, D> {
+    law.slope(y)
+}
+
+/// See [`slope`].
+#[inline(never)]
+fn stand<const D: usize, C: Chart>(law: &Law<'_, C, f64>, y: &[f64; D]) -> Stand<f64, D> {
+    law.stand(y)
+}
+
 /// Slopes at the stages, and the angular velocities there: the slopes of the angle turned.
 struct Stages<const D: usize, const N: usize> {
     rate: [[f64; D]; N],
@@ -36,7 +48,7 @@ impl<const D: usize, const N: usize> Stages<D, N> {
         weights: [f64; M],
     ) {
         let at = combine(y, h, &weights, &self.rate, &ALL[..M]);
-        let slope = law.slope(&at);
+        let slope = slope(law, &at);
         self.rate[i] = slope.rate;
         self.omega[i] = turning(law, &at, &slope);
     }
@@ -90,7 +102,7 @@ pub fn rk4_step<const D: usize, C: Chart>(
     h: f64,
 ) -> Step<f64, D> {
     let (mut k, end) = rk4_stages(law, y, &first.slope.rate, h);
-    let last = law.stand(&end);
+    let last = stand(law, &end);
     k.omega[0] = turning(law, y, &first.slope);
     let omega_end = turning(law, &end, &last.slope);
     let rise = RK4_B.iter().zip(k.omega).fold(ZERO, |sum, (b, omega)| sum + omega * *b) * h;
@@ -158,7 +170,7 @@ pub fn tsit5_step<const D: usize, C: Chart>(
     h: f64,
 ) -> Step<f64, D> {
     let (mut k, end) = tsit5_stages(law, y, &first.slope.rate, h);
-    let last = law.stand(&end);
+    let last = stand(law, &end);
     k.omega[0] = turning(law, y, &first.slope);
     let omega_end = turning(law, &end, &last.slope);
     let turn = tsit5_dense(h, &[0.0; 3], &k.omega.map(|o| o.0), &omega_end.0);

@@ -1,10 +1,14 @@
 //! Turning a ball, without platform sine and cosine: about an axis that stands still, and along an arc.
 
 use super::step::TERMS;
+use crate::lanes::Lanes;
+use crate::number::{Number, Triple, row};
 use crate::tolerance::{
     TURN_BRACKET, TURN_PIECE, TURN_PIECES_MAX, TURN_REMAINDER, TURN_STEPS_PER_SERIES, TURN_TERMS_MAX,
 };
 use nalgebra::Vector3;
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
 type V3 = Vector3<f64>;
 
@@ -28,6 +32,8 @@ pub struct Turning {
     pub pieces: u32,
     /// Whether a piece is a Magnus step, or else a power series.
     pub magnus: bool,
+    /// Halvings of a Magnus step's angle after which its series converges at once.
+    pub doublings: u32,
     /// Rotation that may be left out, rad.
     pub left_out: f64,
 }
@@ -39,6 +45,7 @@ impl Turning {
         start: [0.0, 0.0, 0.0, 1.0],
         pieces: 0,
         magnus: false,
+        doublings: 0,
         left_out: 1.0,
     };
 
@@ -54,6 +61,8 @@ impl Turning {
         let (series, steps) = (series_pieces(&turn), magnus_pieces(&turn, left_out));
         self.magnus = steps <= TURN_STEPS_PER_SERIES * series;
         self.pieces = if self.magnus { steps } else { series };
+        let fastest: f64 = turn.iter().enumerate().map(|(k, c)| k as f64 * c.norm()).sum();
+        self.doublings = doublings(fastest / f64::from(self.pieces.max(1)));
     }
 
     /// The orientation at `theta`.
@@ -71,7 +80,11 @@ impl Turning {
     fn follow(&self, theta: f64) -> [f64; 4] {
         let h = 1.0 / f64::from(self.pieces);
         let whole = (theta / h) as u32;
-        let q = (0..whole).fold(self.start, |q, piece| self.turned(q, f64::from(piece) * h, h));
+        let q = if self.magnus {
+            Arch::new().dispatch(Steps { turning: self, q: self.start, pieces: 0..whole })
+        } else {
+            (0..whole).fold(self.start, |q, piece| self.turned(q, f64::from(piece) * h, h))
+        };
         let from = f64::from(whole) * h;
         if theta > from { self.turned(q, from, theta - from) } else { q }
     }
@@ -79,7 +92,7 @@ impl Turning {
     /// An orientation turned on from theta = `from` by `h`.
     fn turned(&self, q: [f64; 4], from: f64, h: f64) -> [f64; 4] {
         let by = if self.magnus {
-            of_rotation_vector(magnus(&self.turn, from + 0.5 * h, h))
+            exponential(magnus(&self.turn, from + 0.5 * h, h), self.doublings)
         } else {
             series(&rate_from(&self.turn, from, h), self.left_out)
         };
@@ -127,14 +140,44 @@ fn magnus_pieces(turn: &[V3; TERMS], allowed: f64) -> u32 {
     pieces
 }
 
+/// Magnus steps one after the other; their rotations are computed side by side.
+struct Steps<'a> {
+    turning: &'a Turning,
+    q: [f64; 4],
+    pieces: Range<u32>,
+}
+
+impl WithSimd for Steps<'_> {
+    type Output = [f64; 4];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; 4] {
+        let Self { turning, mut q, pieces } = self;
+        let length = 1.0 / f64::from(turning.pieces);
+        for first in pieces.clone().step_by(S::F64_LANES) {
+            let middle = Lanes::new(simd, |lane| f64::from(first + lane as u32) * length + 0.5 * length);
+            let by = exponential(magnus(&turning.turn, middle, middle.like(length)), turning.doublings);
+            let count = S::F64_LANES.min((pieces.end - first) as usize);
+            for lane in 0..count {
+                q = compose([by[0].lane(lane), by[1].lane(lane), by[2].lane(lane), by[3].lane(lane)], q);
+            }
+        }
+        q
+    }
+}
+
 /// Rotation vector of the piece of length `h` around `middle`.
-fn magnus(turn: &[V3; TERMS], middle: f64, h: f64) -> V3 {
+#[inline(always)]
+fn magnus<T: Number>(turn: &[V3; TERMS], middle: T, h: T) -> Triple<T> {
     // The rate and its derivatives over factorials at the middle: a Taylor shift.
-    let mut rate: [V3; TERMS - 1] = std::array::from_fn(|k| turn[k + 1] * (k + 1) as f64);
-    for k in 0..TERMS - 2 {
-        for i in (k..TERMS - 2).rev() {
-            let higher = rate[i + 1];
-            rate[i] += higher * middle;
+    let mut rate = [Triple([h; 3]); RATE_TERMS];
+    for k in 0..RATE_TERMS {
+        let c = turn[k + 1] * (k + 1) as f64;
+        rate[k] = Triple(row(h, &[c.x, c.y, c.z]));
+    }
+    for k in 0..RATE_TERMS - 1 {
+        for i in (k..RATE_TERMS - 1).rev() {
+            rate[i] = rate[i] + rate[i + 1] * middle;
         }
     }
     let (h2, h3) = (h * h, h * h * h);
@@ -143,11 +186,12 @@ fn magnus(turn: &[V3; TERMS], middle: f64, h: f64) -> V3 {
     let first = a0 * h - a4 * (h3 * h2 * (3.0 / 560.0));
     let second = a1 * h2 + a3 * (h2 * h2 * (3.0 / 20.0));
     let third = a2 * h3 + a4 * (h3 * h2 * (3.0 / 14.0));
-    let c1 = first.cross(&second);
-    let c2 = first.cross(&(third * 2.0 + c1)) * (-1.0 / 60.0);
+    let c1 = first.cross(second);
+    let c2 = first.cross(third + third + c1) * h.like(-1.0 / 60.0);
     // The part that commutes is the angle turned, whatever its order.
-    let turned = (a0 + (a2 * (1.0 / 12.0) + (a4 * (1.0 / 80.0) + a6 * (h2 / 448.0)) * h2) * h2) * h;
-    turned + (first * -20.0 - third + c1).cross(&(second + c2)) / 240.0
+    let even = a2 * h.like(1.0 / 12.0) + (a4 * h.like(1.0 / 80.0) + a6 * (h2 * (1.0 / 448.0))) * h2;
+    let turned = (a0 + even * h2) * h;
+    turned + (c1 - first * h.like(20.0) - third).cross(second + c2) * h.like(1.0 / 240.0)
 }
 
 /// Coefficients of the angular velocity in powers of (theta - from)/h, times h: a Taylor shift.
@@ -199,50 +243,60 @@ fn series(rate: &[V3; RATE_TERMS], left_out: f64) -> [f64; 4] {
     [v.x, v.y, v.z, w]
 }
 
-/// Quaternion (x, y, z, w) of the rotation by |`angle`| about `angle`.
-///
-/// The half angle is halved until below 1/4, where Taylor series are exact to rounding, and the quaternion is
-/// squared as often: the error grows with the angle, about 1e-16 per radian.
+/// Quaternion (x, y, z, w) of the rotation by |`angle`| about `angle`: the error grows with the angle, about 1e-16 per
+/// radian.
 pub fn of_rotation_vector(angle: V3) -> [f64; 4] {
-    let mut half = angle * 0.5;
-    let mut doublings = 0;
-    while half.norm_squared() > 1.0 / 16.0 && doublings < 60 {
+    exponential(angle.into(), doublings(angle.norm()))
+}
+
+/// Halvings after which half of `angle` is at most 1/4.
+fn doublings(angle: f64) -> u32 {
+    let (mut half, mut count) = (0.5 * angle, 0);
+    while half > 0.25 && count < 60 {
         half *= 0.5;
-        doublings += 1;
+        count += 1;
     }
-    let x = half.norm_squared();
-    // sin(s)/s and 1 - cos(s) for s^2 = x <= 1/16, in 1/n!; the first terms left out are below 1e-17.
-    let series = |c: [f64; 6]| c.iter().rev().fold(0.0, |sum, c| (sum + c) * x);
-    let sinc = 1.0
-        + series([
-            -1.0 / 6.0,
-            1.0 / 120.0,
-            -1.0 / 5040.0,
-            1.0 / 362_880.0,
-            -1.0 / 39_916_800.0,
-            1.0 / 6_227_020_800.0,
-        ]);
-    let versine = series([
-        1.0 / 2.0,
-        -1.0 / 24.0,
-        1.0 / 720.0,
-        -1.0 / 40_320.0,
-        1.0 / 3_628_800.0,
-        -1.0 / 479_001_600.0,
-    ]);
-    let mut v = half * sinc;
-    let mut w = 1.0 - versine;
+    count
+}
+
+/// The same quaternion. The half angle is halved as often as `doublings` says, to below 1/4 where Taylor series are exact
+/// to rounding, and the quaternion is squared as often.
+#[inline(always)]
+fn exponential<T: Number>(angle: Triple<T>, doublings: u32) -> [T; 4] {
+    let of = angle.0[0];
+    let mut half = angle * of.like(0.5);
+    for _ in 0..doublings {
+        half = half * of.like(0.5);
+    }
+    let x = half.dot(half);
+    // sin(s)/s and 1 - cos(s) for s^2 = x <= 1/16; the first terms left out are below 1e-17.
+    let mut sinc = of.like(SINC[5]);
+    let mut versine = of.like(VERSINE[5]);
+    for k in (0..5).rev() {
+        sinc = sinc * x + of.like(SINC[k]);
+        versine = versine * x + of.like(VERSINE[k]);
+    }
+    let one = of.like(1.0);
+    let mut v = half * (one + sinc * x);
+    let mut w = one - versine * x;
     for _ in 0..doublings {
         // (v, w)^2 = (2 w v, w^2 - v^2), brought back to unit length.
-        let next = w * w - v.norm_squared();
-        v *= 2.0 * w;
-        let length = (next * next + v.norm_squared()).sqrt();
-        let inverse = 1.0 / length;
-        v *= inverse;
+        let next = w * w - v.dot(v);
+        v = v * (w + w);
+        let inverse = one / (next * next + v.dot(v)).sqrt();
+        v = v * inverse;
         w = next * inverse;
     }
-    [v.x, v.y, v.z, w]
+    let Triple([x, y, z]) = v;
+    [x, y, z, w]
 }
+
+/// Coefficients of (sin(s)/s - 1)/s^2 in powers of s^2.
+const SINC: [f64; 6] =
+    [-1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0, 1.0 / 6_227_020_800.0];
+/// Coefficients of (1 - cos(s))/s^2 in powers of s^2.
+const VERSINE: [f64; 6] =
+    [1.0 / 2.0, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0, -1.0 / 479_001_600.0];
 
 /// The rotation `after` applied after `before`.
 pub fn compose(after: [f64; 4], before: [f64; 4]) -> [f64; 4] {

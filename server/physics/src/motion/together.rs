@@ -10,13 +10,14 @@ use crate::lanes::{LANES_MAX, Lanes};
 use crate::number::Triple;
 use crate::scene::{Accuracy, Scheme};
 use crate::surface::chart::{Chart, Frame, Surface, with_chart};
+use crate::tolerance::STEP_MIN;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
 type V3 = Vector3<f64>;
 
-/// How many balls are computed side by side on this machine.
-pub fn lanes() -> usize {
+/// How many balls are computed side by side on this floor and this machine.
+pub fn width(surface: &Surface, accuracy: Accuracy) -> usize {
     struct Count;
     impl WithSimd for Count {
         type Output = usize;
@@ -25,7 +26,8 @@ pub fn lanes() -> usize {
             S::F64_LANES
         }
     }
-    Arch::new().dispatch(Count)
+    let pays = with_chart!(&surface.kernel, chart => pays(chart));
+    if pays && matches!(accuracy, Accuracy::Tolerance(_)) { Arch::new().dispatch(Count) } else { 1 }
 }
 
 /// A ball to be launched from its arc's `start` and `state`; see [`Body::launch`].
@@ -39,27 +41,27 @@ pub struct Launch<'a> {
     pub arc: &'a mut Arc,
 }
 
-/// Launches all, side by side where that pays.
-pub fn launch(surface: &Surface, accuracy: Accuracy, balls: &mut [Launch<'_>]) {
-    let alike = balls.iter().all(|ball| ball.body.rolls == balls[0].body.rolls);
+/// Launches all that there are, side by side where that pays.
+pub fn launch(surface: &Surface, accuracy: Accuracy, balls: &mut [Option<Launch<'_>>]) {
     match accuracy {
-        Accuracy::Tolerance(tolerance) if alike && balls.len() > 1 && !surface.is_flat() => {
+        Accuracy::Tolerance(tolerance) if !surface.is_flat() => {
             Arch::new().dispatch(Launching { surface, tolerance, accuracy, balls });
         }
-        _ => balls.iter_mut().for_each(|ball| launch_alone(surface, accuracy, ball)),
+        _ => launch_alone(surface, accuracy, balls),
     }
 }
-
-fn launch_alone(surface: &Surface, accuracy: Accuracy, ball: &mut Launch<'_>) {
-    let (start, state) = (ball.arc.start, ball.arc.state);
-    ball.body.launch(surface, accuracy, (start, &state), ball.stepping, ball.arc);
+fn launch_alone(surface: &Surface, accuracy: Accuracy, balls: &mut [Option<Launch<'_>>]) {
+    for Launch { body, stepping, arc } in balls.iter_mut().flatten() {
+        let (start, state) = (arc.start, arc.state);
+        body.launch(surface, accuracy, (start, &state), stepping, arc);
+    }
 }
 
 struct Launching<'a, 'b> {
     surface: &'a Surface,
     tolerance: f64,
     accuracy: Accuracy,
-    balls: &'a mut [Launch<'b>],
+    balls: &'a mut [Option<Launch<'b>>],
 }
 
 impl WithSimd for Launching<'_, '_> {
@@ -70,9 +72,11 @@ impl WithSimd for Launching<'_, '_> {
         let Self { surface, tolerance, accuracy, balls } = self;
         with_chart!(&surface.kernel, chart => {
             for balls in balls.chunks_mut(S::F64_LANES) {
-                if !pays(chart) || balls.len() == 1 {
-                    balls.iter_mut().for_each(|ball| launch_alone(surface, accuracy, ball));
-                } else if balls[0].body.rolls {
+                let count = balls.iter().flatten().count();
+                let rolling = balls.iter().flatten().filter(|ball| ball.body.rolls).count();
+                if !pays(chart) || count < 2 || (rolling > 0 && rolling < count) {
+                    launch_alone(surface, accuracy, balls);
+                } else if rolling > 0 {
                     launch_lanes::<ROLLING, _, S>(simd, chart, (tolerance, accuracy), balls);
                 } else {
                     launch_lanes::<SLIDING, _, S>(simd, chart, (tolerance, accuracy), balls);
@@ -82,66 +86,74 @@ impl WithSimd for Launching<'_, '_> {
     }
 }
 
-/// The law of several balls; lanes beyond the last ball repeat it.
+/// The law of several balls.
 #[inline(always)]
-fn law_of<'a, 'b, C: Chart, S: Simd>(
-    simd: S,
-    chart: &'a C,
-    body: impl Fn(usize) -> &'b Body,
-) -> Law<'a, C, Lanes<S>> {
+fn law_of<'a, C: Chart, S: Simd>(simd: S, chart: &'a C, bodies: [&Body; LANES_MAX]) -> Law<'a, C, Lanes<S>> {
     Law {
         chart,
-        radius: Lanes::new(simd, |lane| body(lane).radius),
-        inverse_radius: Lanes::new(simd, |lane| 1.0 / body(lane).radius),
-        inertia_factor: Lanes::new(simd, |lane| body(lane).inertia_factor),
-        share: Lanes::new(simd, |lane| 1.0 / (1.0 + body(lane).inertia_factor)),
-        applied: Triple([0, 1, 2].map(|axis| Lanes::new(simd, |lane| body(lane).applied[axis]))),
+        radius: Lanes::new(simd, |lane| bodies[lane].radius),
+        inverse_radius: Lanes::new(simd, |lane| 1.0 / bodies[lane].radius),
+        inertia_factor: Lanes::new(simd, |lane| bodies[lane].inertia_factor),
+        share: Lanes::new(simd, |lane| 1.0 / (1.0 + bodies[lane].inertia_factor)),
+        applied: Triple([
+            Lanes::new(simd, |lane| bodies[lane].applied.x),
+            Lanes::new(simd, |lane| bodies[lane].applied.y),
+            Lanes::new(simd, |lane| bodies[lane].applied.z),
+        ]),
     }
 }
 
-/// Every ball's next step that is kept; those refused try again, side by side as well.
+/// Every ball's next step that is kept; those refused try again, side by side as well. Lanes without a ball repeat one.
 #[inline(always)]
 fn launch_lanes<const D: usize, C: Chart, S: Simd>(
     simd: S,
     chart: &C,
     (tolerance, accuracy): (f64, Accuracy),
-    balls: &mut [Launch<'_>],
+    balls: &mut [Option<Launch<'_>>],
 ) {
-    let count = balls.len();
-    let of = |lane: usize| lane.min(count - 1);
-    let law = law_of(simd, chart, |lane| balls[of(lane)].body);
+    let Some(one) = balls.iter().flatten().next() else { return };
+    let (mut bodies, mut states) = ([one.body; LANES_MAX], [one.arc.state; LANES_MAX]);
+    let mut waiting = [false; LANES_MAX];
+    for (lane, ball) in balls.iter().flatten().enumerate() {
+        (bodies[lane], states[lane], waiting[lane]) = (ball.body, ball.arc.state, true);
+    }
+    let law = law_of(simd, chart, bodies);
     let mut y = [law.radius; D];
     for i in 0..D {
-        y[i] = Lanes::new(simd, |lane| balls[of(lane)].arc.state[i]);
+        y[i] = Lanes::new(simd, |lane| states[lane][i]);
     }
     let first = law.stand(&y);
-    let mut waiting = [false; LANES_MAX];
-    waiting[..count].fill(true);
+    let mut tried = [STEP_MIN; LANES_MAX];
     while waiting.contains(&true) {
-        let h = Lanes::new(simd, |lane| balls[of(lane)].stepping.try_s);
+        for (lane, ball) in balls.iter().flatten().enumerate() {
+            tried[lane] = ball.stepping.try_s;
+        }
+        let h = Lanes::new(simd, |lane| tried[lane]);
         let attempt = dop853::attempt(&law, &y, &first.slope.rate, h);
         let errors = attempt.errors();
         let mut kept = [false; LANES_MAX];
-        for lane in 0..count {
+        for (lane, ball) in balls.iter_mut().flatten().enumerate() {
             if !waiting[lane] {
                 continue;
             }
-            let stretch = numbers(&first.stretch, lane);
             let errors = [numbers(&errors[0], lane), numbers(&errors[1], lane)];
-            let error = dop853::error_estimate(h.lane(lane), stretch, errors);
-            let ball = &mut balls[lane];
+            let stretch = numbers(&first.stretch, lane);
+            let precession = first.precession.lane(lane);
+            let error = dop853::error_estimate(tried[lane], stretch, precession, errors);
             let verdict = ball.stepping.judge(tolerance, error);
             if verdict == Verdict::GivenUp {
-                ball.arc.fill::<D>(h.lane(lane), &[f64::NAN; D], &not_finite(), accuracy);
+                ball.arc.fill::<D>(tried[lane], &[f64::NAN; D], &not_finite(), accuracy);
             }
             kept[lane] = verdict == Verdict::Kept;
             waiting[lane] = verdict == Verdict::Refused;
         }
         if kept.contains(&true) {
             let step = dop853::finish(&law, &y, &first, h, attempt);
-            for lane in (0..count).filter(|lane| kept[*lane]) {
-                let slope = numbers(&first.slope.rate, lane);
-                balls[lane].arc.fill(h.lane(lane), &slope, &step_of(&step, lane), accuracy);
+            for (lane, ball) in balls.iter_mut().flatten().enumerate() {
+                if kept[lane] {
+                    let slope = numbers(&first.slope.rate, lane);
+                    ball.arc.fill(tried[lane], &slope, &step_of(&step, lane), accuracy);
+                }
             }
         }
     }
@@ -237,15 +249,16 @@ fn land_lanes<const D: usize, C: Chart, S: Simd>(
     chart: &C,
     balls: [(&Body, &Arc, f64); 2],
 ) -> [Landing; 2] {
-    let of = |lane: usize| balls[lane.min(1)];
-    let law = law_of(simd, chart, |lane| of(lane).0);
+    let mut seats = [balls[0]; LANES_MAX];
+    seats[1] = balls[1];
+    let law = law_of(simd, chart, seats.map(|seat| seat.0));
     let (mut y, mut slope) = ([law.radius; D], [law.radius; D]);
     for i in 0..D {
-        y[i] = Lanes::new(simd, |lane| of(lane).1.state[i]);
-        slope[i] = Lanes::new(simd, |lane| of(lane).1.slope[i]);
+        y[i] = Lanes::new(simd, |lane| seats[lane].1.state[i]);
+        slope[i] = Lanes::new(simd, |lane| seats[lane].1.slope[i]);
     }
-    let h = Lanes::new(simd, |lane| of(lane).2);
-    let (end, slope) = dop853::land(&law, &y, &slope, h);
+    let h = Lanes::new(simd, |lane| seats[lane].2);
+    let (end, slope) = dop853::attempt(&law, &y, &slope, h).landed();
     let frame = chart.frame([end[0], end[1]]);
     let normal = frame.normal();
     let center = frame.point() + normal * law.radius;
@@ -255,4 +268,92 @@ fn land_lanes<const D: usize, C: Chart, S: Simd>(
         center: numbers(&center.0, lane).into(),
         normal: numbers(&normal.0, lane).into(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Floor;
+    use crate::schedule::time::Time;
+    use crate::surface::bezier::BezierPatch;
+    use proptest::prelude::*;
+
+    /// Floors of every kind of kernel that takes several balls, all of them nearly level.
+    fn floors() -> Vec<Surface> {
+        let polynomial = |degree: usize| {
+            let mut terms = vec![vec![0.0; degree + 1]; degree + 1];
+            for (i, j) in (0..=degree).flat_map(|i| (0..=degree - i).map(move |j| (i, j))) {
+                terms[i][j] = 0.05 / (1.0 + (3 * i + 2 * j) as f64);
+            }
+            Floor::Polynomial { x: [-2.0, 2.0], y: [-2.0, 2.0], terms }
+        };
+        let net = |degree: usize, warp: f64| {
+            let point = |k: usize| {
+                let (i, j) = (k / (degree + 1), k % (degree + 1));
+                let [x, y] = [i, j].map(|k| 4.0 * k as f64 / degree as f64 - 2.0);
+                V3::new(x + warp * y * y, y - warp * x, 0.1 * ((3 * i + 5 * j) % 4) as f64)
+            };
+            let net = (0..(degree + 1).pow(2)).map(point).collect();
+            Floor::Bezier(BezierPatch::new([degree; 2], net).expect("a net"))
+        };
+        let mut floors: Vec<_> = (2..=5).map(polynomial).collect();
+        floors.extend([net(3, 0.0), net(5, 0.0), net(3, 0.02), net(5, 0.02)]);
+        let plane = BezierPatch::from_heights([0.0, 1.0], [0.0, 1.0], &[vec![0.0; 2], vec![0.0; 2]]);
+        let plane = plane.expect("a plane");
+        let of = |floor: Floor| match &floor {
+            Floor::Bezier(patch) => Surface::new(&floor, patch, 1.0),
+            Floor::Polynomial { .. } => Surface::new(&floor, &plane, 1.0),
+        };
+        floors.into_iter().map(of).collect()
+    }
+
+    fn bits(arc: &Arc) -> Vec<u64> {
+        let centers = arc.center.iter().chain(&arc.turning.turn).flat_map(|c| [c.x, c.y, c.z]);
+        let states = arc.dense.iter().chain([&arc.state, &arc.slope, &arc.end]).flatten().copied();
+        let rest = [arc.length, arc.scale, arc.acceleration_bound].into_iter().chain(arc.reaction);
+        centers.chain(states).chain(rest).map(f64::to_bits).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn balls_side_by_side_are_the_balls_alone_to_the_last_bit(
+            states in prop::collection::vec(prop::array::uniform6(-0.25..0.25_f64), 2..=11),
+            radii in prop::collection::vec(0.02..0.2_f64, 11),
+            tries in prop::collection::vec(1..9_i32, 11),
+            which in 0..8_usize, rolls in prop::bool::ANY, tolerance in 6..13_i32,
+        ) {
+            let surface = &floors()[which];
+            let accuracy = Accuracy::Tolerance(10.0_f64.powi(-tolerance));
+            let start: Vec<(Body, Stepping, Arc)> = states.iter().zip(radii).zip(tries).map(|((state, radius), n)| {
+                let inertia_factor = if rolls { 0.4 } else { 0.0 };
+                let body = Body { radius, inertia_factor, rolls, applied: V3::new(0.3, -0.1, -9.8) };
+                let mut arc = Arc::empty(radius);
+                arc.state = *state;
+                arc.state[5] *= if rolls { 1.0 } else { 0.0 };
+                body.settle(surface, &mut arc.state);
+                (body, Stepping { try_s: 0.5_f64.powi(n), steps: 0, forced: 0 }, arc)
+            }).collect();
+            let (mut alone, mut together) = (start.clone(), start);
+            for (body, stepping, arc) in &mut alone {
+                let state = arc.state;
+                body.launch(surface, accuracy, (Time::ZERO, &state), stepping, arc);
+            }
+            let mut balls: Vec<_> = together
+                .iter_mut()
+                .map(|(body, stepping, arc)| Some(Launch { body, stepping, arc }))
+                .collect();
+            launch(surface, accuracy, &mut balls);
+            for ((_, a, x), (_, b, y)) in alone.iter().zip(&together) {
+                prop_assert_eq!(bits(x), bits(y));
+                prop_assert_eq!((a.try_s, a.steps, a.forced), (b.try_s, b.steps, b.forced));
+            }
+            let pair = [0, 1].map(|k| (&alone[k].0, &alone[k].2, 0.3 * alone[k].2.length));
+            for (landing, (body, arc, dt)) in land(surface, accuracy, pair).iter().zip(pair) {
+                let (state, slope) = arc.land(body, surface, accuracy, dt);
+                let (center, normal) = body.seat(surface, &state);
+                prop_assert_eq!((landing.state, landing.slope), (state, slope));
+                prop_assert_eq!((landing.center, landing.normal), (center, normal));
+            }
+        }
+    }
 }

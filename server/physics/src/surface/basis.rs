@@ -20,8 +20,8 @@ pub(super) fn centred_powers<const N: usize>(
     degree: [usize; 2],
     width: [f64; 2],
     at: impl Fn(usize, usize) -> f64,
-) -> Box<[[f64; N]; N]> {
-    let mut net = Box::new([[0.0; N]; N]);
+) -> [[f64; N]; N] {
+    let mut net = [[0.0; N]; N];
     for i in 0..=degree[0] {
         let row: [f64; N] = std::array::from_fn(|j| if j <= degree[1] { at(i, j) } else { 0.0 });
         net[i] = in_powers(&row, degree[1], width[1]);

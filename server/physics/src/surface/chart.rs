@@ -183,18 +183,18 @@ impl Surface {
 
 fn power_net<const N: usize>(patch: &BezierPatch, side: f64) -> PowerNet<N> {
     let powers = |axis: usize| centred_powers(patch.degree(), [1.0; 2], |i, j| patch.point(i, j)[axis]);
-    PowerNet { coefficients: [powers(0), powers(1), powers(2)], side }
+    PowerNet { coefficients: [0, 1, 2].map(|axis| Box::new(powers(axis))), side }
 }
 
 fn net_chart<const N: usize>(patch: &BezierPatch, side: f64) -> NetChart<N> {
     let [p, q] = patch.degree();
     let at = |axis: usize| square(|i, j| if i <= p && j <= q { patch.point(i, j)[axis] } else { 0.0 });
     let axes = [Axis::new(Basis::Bernstein, p, 1.0), Axis::new(Basis::Bernstein, q, 1.0)];
-    NetChart { axes, coefficients: [at(0), at(1), at(2)], side }
+    NetChart { axes, coefficients: [0, 1, 2].map(|axis| Box::new(at(axis))), side }
 }
 
-fn square<const N: usize>(at: impl Fn(usize, usize) -> f64) -> Box<[[f64; N]; N]> {
-    Box::new(std::array::from_fn(|i| std::array::from_fn(|j| at(i, j))))
+fn square<const N: usize>(at: impl Fn(usize, usize) -> f64) -> [[f64; N]; N] {
+    std::array::from_fn(|i| std::array::from_fn(|j| at(i, j)))
 }
 
 fn height_kernel(
@@ -214,7 +214,7 @@ fn height_kernel(
             Basis::Power => square(at),
             Basis::Bernstein => centred_powers(degree, width, at),
         };
-        PowerChart { middle, coefficients }
+        PowerChart { middle, coefficients: Box::new(coefficients) }
     }
     let placed = (middle, width);
     match axes[0].degree.max(axes[1].degree) {
@@ -222,9 +222,9 @@ fn height_kernel(
         3 => Kernel::Height3(power(placed, &axes, at)),
         4 => Kernel::Height4(power(placed, &axes, at)),
         5 => Kernel::Height5(power(placed, &axes, at)),
-        6 => Kernel::Height6(HeightChart { middle, axes, coefficients: square(at) }),
-        7..=10 => Kernel::Height10(HeightChart { middle, axes, coefficients: square(at) }),
-        _ => Kernel::Height12(HeightChart { middle, axes, coefficients: square(at) }),
+        6 => Kernel::Height6(HeightChart { middle, axes, coefficients: Box::new(square(at)) }),
+        7..=10 => Kernel::Height10(HeightChart { middle, axes, coefficients: Box::new(square(at)) }),
+        _ => Kernel::Height12(HeightChart { middle, axes, coefficients: Box::new(square(at)) }),
     }
 }
 

@@ -28,6 +28,7 @@ pub(super) use share::Share;
 
 use super::{Controller, Work};
 use crate::diagnostics::Report;
+use crate::motion::together;
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{HALO, HITS_KEPT, PHASES_APART_MAX};
 use check::Parting;
@@ -105,7 +106,8 @@ impl Controller {
         let shard = |number| {
             let mut shard = self.clone();
             shard.hits = Vec::with_capacity(HITS_KEPT);
-            shard.work = Work::new();
+            let width = together::width(&shard.surface, shard.accuracy);
+            shard.work = Work::new(shard.balls.len(), width);
             shard.share = Some(Box::new(Share::of_shard(number, self.balls.len())));
             Shard(Box::new(shard))
         };

@@ -1,0 +1,179 @@
+//! Arcs computed ahead of their time, so that several balls' steps are computed side by side.
+//!
+//! What follows an arc that ends by itself is a function of its end, of the step tried next and of the force: computed
+//! early, it has the same bits. Balls whose arc ends within the window that they look ahead, with nothing met before, wait
+//! in a line; when one of them needs its next arc, the foremost are launched with it. What was prepared is used if the ball
+//! comes to that very end, and is forgotten if not.
+
+use super::Controller;
+use crate::lanes::LANES_MAX;
+use crate::motion::arc::{Arc, Path};
+use crate::motion::body::Stepping;
+use crate::motion::law::State;
+use crate::motion::together::{self, Launch};
+use crate::schedule::event::What;
+use crate::schedule::time::Time;
+use nalgebra::Vector3;
+use std::collections::VecDeque;
+
+/// Balls for each arc that may be kept prepared: memory.
+const BALLS_PER_SLOT: usize = 8;
+/// Most arcs kept prepared: a megabyte for all, which stays near the processor.
+const SLOTS_MAX: usize = 256;
+/// Balls looked at in the line for one group.
+const LOOKED_AT: usize = 16;
+
+/// A ball's next arc.
+#[derive(Clone, Copy, Debug)]
+struct Prepared {
+    ball: usize,
+    /// Step tried first, s, and force: what the arc follows from, beside where it begins.
+    tried: f64,
+    applied: Vector3<f64>,
+    stepping: Stepping,
+    arc: Arc,
+}
+
+/// What is prepared, and who may be next.
+#[derive(Clone, Debug)]
+pub(super) struct Ahead {
+    line: VecDeque<u32>,
+    /// A ball's place is its number modulo the length.
+    slots: Vec<Option<Prepared>>,
+    group: Vec<Prepared>,
+    /// Arcs computed at once.
+    width: usize,
+}
+
+impl Ahead {
+    /// For so many balls, `width` of which are launched at once.
+    pub(super) fn new(balls: usize, width: usize) -> Self {
+        let slots = if width > 1 { (balls / BALLS_PER_SLOT).min(SLOTS_MAX) } else { 0 };
+        let line = if slots > 0 { VecDeque::with_capacity(2 * SLOTS_MAX) } else { VecDeque::new() };
+        Self { line, slots: vec![None; slots], group: Vec::with_capacity(width), width }
+    }
+
+    /// Whether anything is ever prepared.
+    const fn is_idle(&self) -> bool {
+        self.slots.is_empty()
+    }
+
+    fn slot(&mut self, ball: usize) -> &mut Option<Prepared> {
+        let place = ball % self.slots.len();
+        &mut self.slots[place]
+    }
+}
+
+impl Controller {
+    /// Lines up a ball whose present arc ends within its window with nothing met before.
+    pub(super) fn line_up(&mut self, ball: usize) {
+        if !self.work.ahead.is_idle() && self.ends_by_itself(ball) {
+            let line = &mut self.work.ahead.line;
+            if line.len() == line.capacity() {
+                line.pop_front();
+            }
+            line.push_back(ball as u32);
+        }
+    }
+
+    fn ends_by_itself(&self, ball: usize) -> bool {
+        let (arc, next) = (&self.arcs[ball], self.queue.of(ball));
+        arc.path == Path::Curved
+            && self.balls[ball].drive.is_none()
+            && next.what == What::Renew
+            && next.time == arc.finish()
+    }
+
+    /// Puts a ball on the arc that follows its present one, which ends at `time` in `state` and has been closed.
+    pub(super) fn go_on(&mut self, ball: usize, time: Time, state: &State) {
+        if self.work.ahead.is_idle() || self.balls[ball].drive.is_some() {
+            self.launch(ball, time, state);
+            return;
+        }
+        let prepared = self.work.ahead.slot(ball).take();
+        match prepared {
+            Some(next) if self.follows(&next, ball, time, state) => self.put_on(&next),
+            other => {
+                if other.as_ref().is_some_and(|other| other.ball != ball) {
+                    *self.work.ahead.slot(ball) = other;
+                }
+                self.launch_group(ball, time, state);
+            }
+        }
+    }
+
+    /// Whether an arc is what follows from `state` at `time`.
+    fn follows(&self, next: &Prepared, ball: usize, time: Time, state: &State) -> bool {
+        let b = &self.balls[ball];
+        next.ball == ball
+            && (next.arc.start, next.arc.state) == (time, *state)
+            && (next.tried, next.applied) == (b.stepping.try_s, b.body.applied)
+    }
+
+    /// Launches a ball together with others that will need their next arc soon.
+    fn launch_group(&mut self, ball: usize, time: Time, state: &State) {
+        let mut group = std::mem::take(&mut self.work.ahead.group);
+        group.clear();
+        group.push(self.blank(ball, time, state));
+        let looked_at = LOOKED_AT.min(self.work.ahead.line.len());
+        for _ in 0..looked_at {
+            if group.len() == self.work.ahead.width {
+                break;
+            }
+            let Some(other) = self.work.ahead.line.pop_front() else { break };
+            let other = other as usize;
+            if !self.ends_by_itself(other) || group.iter().any(|known| known.ball == other) {
+                continue;
+            }
+            let (finish, end) = (self.arcs[other].finish(), self.arcs[other].end);
+            // A place is free when what it holds was not used in time.
+            let kept = self.work.ahead.slot(other).as_ref();
+            let known = |kept: &Prepared| kept.ball == other && kept.arc.state == end;
+            if kept.is_some_and(|kept| known(kept) || (kept.ball != other && kept.arc.start >= time)) {
+                continue;
+            }
+            group.push(self.blank(other, finish, &end));
+        }
+        if group.len() == 1 {
+            self.launch(ball, time, state);
+        } else {
+            self.compute(&mut group);
+            self.put_on(&group[0]);
+            for next in group.drain(1..) {
+                *self.work.ahead.slot(next.ball) = Some(next);
+            }
+        }
+        self.work.ahead.group = group;
+    }
+
+    fn blank(&self, ball: usize, start: Time, state: &State) -> Prepared {
+        let b = &self.balls[ball];
+        let mut arc = Arc::empty(b.body.radius);
+        (arc.start, arc.state) = (start, *state);
+        let stepping = Stepping { try_s: b.stepping.try_s, steps: 0, forced: 0 };
+        Prepared { ball, tried: stepping.try_s, applied: b.body.applied, stepping, arc }
+    }
+
+    fn compute(&self, group: &mut [Prepared]) {
+        let mut next = group.iter_mut();
+        let mut wanted: [Option<Launch<'_>>; LANES_MAX] = std::array::from_fn(|_| {
+            let Prepared { ball, stepping, arc, .. } = next.next()?;
+            Some(Launch { body: &self.balls[*ball].body, stepping, arc })
+        });
+        together::launch(&self.surface, self.accuracy, &mut wanted);
+    }
+
+    /// Puts a ball on a prepared arc, with its own orientation.
+    fn put_on(&mut self, next: &Prepared) {
+        let arc = &mut self.arcs[next.ball];
+        let was = (arc.stamp, arc.window_end, arc.turning.start);
+        *arc = next.arc;
+        (arc.stamp, arc.window_end) = (was.0, was.1);
+        arc.turning.start = was.2;
+        let stepping = &mut self.balls[next.ball].stepping;
+        stepping.try_s = next.stepping.try_s;
+        stepping.steps += next.stepping.steps;
+        stepping.forced += next.stepping.forced;
+        self.launched(next.ball, next.arc.start, &next.arc.state, next.stepping.steps);
+    }
+}
