@@ -149,11 +149,7 @@ pub const CUTS: &[Cut] = &[
     Cut {
         feature: "the warning where a floor would have to pull",
         unused_by: &["scene: gas", "scene: a ball", "scene: cradle", "hit"],
-        edits: &[(
-            "controller/advance.rs",
-            "self.report.negative_reaction += arc.negative_reaction(dt);",
-            "",
-        )],
+        edits: &[("controller/advance.rs", "let pulled = arc.negative_reaction(dt);", "let pulled = 0.0;")],
     },
     Cut {
         feature: "notes for shards that are undone",
