@@ -72,8 +72,9 @@ pub fn measure(options: &Options, progress: &mut Progress<'_>) -> Result<Section
 }
 
 fn measure_small(small: &Small) -> Result<Use, ReportError> {
-    let start =
-        small.start().map_err(|fault| ReportError::Variant { scene: small.name.to_owned(), fault })?;
+    let start = small
+        .start()
+        .map_err(|fault| ReportError::Variant { scene: small.name.to_owned(), fault: fault.into() })?;
     let work = f64::from(small.seconds) * small.scene.balls.len() as f64;
     let spent = cost(|| start.clone(), |engine| small.run(engine));
     let counted = kept_count(&format!("scene: {}", small.name));

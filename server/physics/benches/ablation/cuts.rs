@@ -56,7 +56,7 @@ pub const CUTS: &[Cut] = &[
                 "if false {",
             ),
             ("controller/advance.rs", "if self.balls[ball].drive.is_some() {", "if false {"),
-            ("controller/advance.rs", "self.report.steering_work += self.work_of_force(ball, time);", ""),
+            ("controller/advance.rs", "let work = self.work_of_force(ball, time);", "let work = 0.0;"),
             (
                 "controller/predict.rs",
                 "let driven = self.balls[ball].drive.is_some();",
@@ -72,7 +72,7 @@ pub const CUTS: &[Cut] = &[
             ("controller/observe.rs", "if b.body.rolls {", "if false {"),
             (
                 "motion/arc.rs",
-                "self.turning.begin(step.turn, tolerance::turn_left_out(accuracy, h, self.radius));",
+                "self.turning.begin(step.turn.map(V3::from), tolerance::turn_left_out(accuracy, h, self.radius));",
                 "let _ = accuracy;",
             ),
             ("controller/advance.rs", "arc.turning.start = arc.orientation_at(dt);", ""),
@@ -132,7 +132,7 @@ pub const CUTS: &[Cut] = &[
     Cut {
         feature: "the list of hits",
         unused_by: GASES,
-        edits: &[("controller/collide.rs", "if self.hits.len() >= HITS_KEPT {", "if true {")],
+        edits: &[("controller/collide.rs", "if self.hits_are_full() {", "if true {")],
     },
     Cut {
         feature: "other integrators and fixed steps",
@@ -149,10 +149,11 @@ pub const CUTS: &[Cut] = &[
     Cut {
         feature: "the warning where a floor would have to pull",
         unused_by: &["scene: gas", "scene: a ball", "scene: cradle", "hit"],
-        edits: &[(
-            "controller/advance.rs",
-            "self.report.negative_reaction += arc.negative_reaction(dt);",
-            "",
-        )],
+        edits: &[("controller/advance.rs", "let pulled = arc.negative_reaction(dt);", "let pulled = 0.0;")],
+    },
+    Cut {
+        feature: "notes for shards that are undone",
+        unused_by: UNDRIVEN,
+        edits: &[("controller/advance.rs", "self.will_change(ball);", "")],
     },
 ];

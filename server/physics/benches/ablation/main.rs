@@ -44,6 +44,7 @@ fn run() -> Result<(), String> {
     let bench = Workbench::new()?;
     let whole = counted(&bench, &["scene", "hit"])?;
     let mut rows = vec![];
+    let saves = std::env::args().any(|a| a == "--save");
     println!("{:<48}{:<40}{:>14}{:>14}", "feature", "scene that does not use it", "instructions", "without");
     for cut in CUTS {
         let before = bench.cut(cut)?;
@@ -62,9 +63,9 @@ fn run() -> Result<(), String> {
             );
             rows.push(row);
         }
-    }
-    if std::env::args().any(|a| a == "--save") {
-        save(&rows)?;
+        if saves {
+            save(&rows)?;
+        }
     }
     Ok(())
 }

@@ -49,8 +49,9 @@ impl Counts {
 
     fn read(text: &str) -> Result<Self, String> {
         let mut heads = text.lines().filter_map(|line| line.strip_prefix("# "));
-        let mut head = || heads.next().map(str::to_owned).ok_or("the compiler or its target is missing");
-        let toolchain = Toolchain { rustc: head()?, target: head()? };
+        let mut head =
+            || heads.next().map(str::to_owned).ok_or("the compiler, its target or the vectors are missing");
+        let toolchain = Toolchain { rustc: head()?, target: head()?, vectors: head()? };
         let row = |line: &str| {
             let (name, numbers) = line.split_once(',')?;
             let (times, each) = numbers.split_once(',')?;

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Callgrind runs every instruction in a machine of its own. Counts repeat to the last digit and are those of any x86-64
-//! machine, as long as no code asks what the processor can; another compiler counts otherwise, and is not judged.
+//! machine with vectors as wide; with others, or by another compiler, they are others and are not judged.
 //! `BALLROOM_REQUIRE_VALGRIND=1` makes a missing valgrind a failure.
 
 mod callgrind;
@@ -65,10 +65,10 @@ fn compare(check: bool, update: bool) -> Result<ExitCode, String> {
     }
     let keep = "cargo bench -p ballroom-physics --bench instructions -- --update";
     if now.toolchain != kept.toolchain {
-        let (now, kept) = (now.toolchain, kept.toolchain);
         println!(
-            "kept with {} for {}, counted with {} for {}: not judged.",
-            kept.rustc, kept.target, now.rustc, now.target
+            "kept with:\n{}counted with:\n{}Not judged.",
+            kept.toolchain.heading(),
+            now.toolchain.heading()
         );
         println!("Keep the counts of this compiler from a commit known to be good: {keep}");
         return Ok(ExitCode::SUCCESS);
