@@ -72,7 +72,7 @@ pub const CUTS: &[Cut] = &[
             ("controller/observe.rs", "if b.body.rolls {", "if false {"),
             (
                 "motion/arc.rs",
-                "self.turning.begin(step.turn, tolerance::turn_left_out(accuracy, h, self.radius));",
+                "self.turning.begin(step.turn.map(V3::from), tolerance::turn_left_out(accuracy, h, self.radius));",
                 "let _ = accuracy;",
             ),
             ("controller/advance.rs", "arc.turning.start = arc.orientation_at(dt);", ""),
