@@ -122,13 +122,14 @@ fn what_the_script_prints_is_measured_like_the_rest_and_wins_where_it_is_cheaper
 
 #[test]
 fn what_cannot_be_from_the_script_is_refused() {
+    type Spoil = fn(&mut Value);
     let problem = short_orbit();
-    let refusal = |spoil: fn(&mut Value)| {
+    let refusal = |spoil: Spoil| {
         let mut spoilt = printed(&problem);
         spoil(&mut spoilt);
         parse(&spoilt, &problem).expect_err("refused")
     };
-    let spoils: [(fn(&mut Value), &str); 6] = [
+    let spoils: [(Spoil, &str); 6] = [
         (|v| v["runs"][0]["cpu_s_per_s"] = json!(-1.0), "CPU time"),
         (|v| v["runs"][0]["samples"] = json!([]), "as many samples"),
         (|v| v["runs"][0]["samples"][3]["centers"] = json!([]), "as many balls"),

@@ -4,10 +4,15 @@
 //! A scene is run for ten minutes and a minute more with its history kept as the server keeps it, 256 MiB at most. Then
 //! it is gone back by 600 s less every twentieth of a second: one time is what making ready takes, point, commands and
 //! running forward, which happens beside the clock. Times are wall times; the others are the process's own.
+//! `--save` keeps the table for this machine.
+
+#[path = "../physics/benches/common/results.rs"]
+mod results;
 
 use cpu_time::ThreadTime;
 use protocol::command::Command;
 use protocol::timeline::Rewind;
+use results::Results;
 use server::SceneText;
 use server::history::{Archive, DEFAULT_HISTORY_BYTES, Diary, Settings};
 use server::simulation::{Moment, Simulation};
@@ -29,7 +34,8 @@ const ROUNDS: u32 = 10;
 fn main() -> Result<(), Box<dyn Error>> {
     let named: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
     let scenes = if named.is_empty() { vec!["thousand".to_owned()] } else { named };
-    println!(
+    let mut results = Results::of("rewind");
+    results.line(format_args!(
         "{:<12}{:>7}{:>9}{:>8}{:>15}{:>13}{:>13}{:>22}{:>16}",
         "scene",
         "balls",
@@ -40,10 +46,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         "us a tick",
         "ticks with/without",
         "10 min back ms"
-    );
+    ));
     for scene in scenes {
-        println!("{scene:<12}{}", measure(&scene)?);
+        results.line(format_args!("{scene:<12}{}", measure(&scene)?));
     }
+    results.finish()?;
     Ok(())
 }
 

@@ -3,21 +3,27 @@
 //!
 //! Each scene is advanced by ticks of 60 Hz, as the server does, after one second of warming up. CPU is the
 //! process's own time, so that other load on the machine counts less; energy is the relative change over the
-//! span, and overlap the deepest at any impact, in radii of the smallest ball.
+//! span, and overlap the deepest at any impact, in radii of the smallest ball. `--save` keeps the table for this machine.
+
+#[path = "../physics/benches/common/results.rs"]
+mod results;
 
 use ballroom_physics::{Controller, Report, Time};
 use cpu_time::ProcessTime;
+use results::Results;
 use server::SceneText;
 use server::scene_file::built_in_names;
+use std::error::Error;
 
 const RATE_HZ: u32 = 60;
 const WARM_UP_S: u64 = 1;
 const SPAN_S: u64 = 20;
 
-fn main() {
+fn main() -> Result<(), Box<dyn Error>> {
     let named: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
     let scenes = if named.is_empty() { built_in_names().map(str::to_owned).collect() } else { named };
-    println!(
+    let mut results = Results::of("scenes");
+    results.line(format_args!(
         "{:<24}{:>7}{:>12}{:>10}{:>12}{:>12}{:>10}{:>13}{:>12}",
         "scene",
         "balls",
@@ -28,16 +34,12 @@ fn main() {
         "steps/s",
         "energy error",
         "overlap/r"
-    );
+    ));
     for scene in scenes {
-        match measure(&scene) {
-            Ok(line) => println!("{scene:<24}{line}"),
-            Err(error) => {
-                eprintln!("{error}");
-                std::process::exit(1);
-            }
-        }
+        results.line(format_args!("{scene:<24}{}", measure(&scene)?));
     }
+    results.finish()?;
+    Ok(())
 }
 
 fn measure(scene: &str) -> Result<String, server::SceneError> {

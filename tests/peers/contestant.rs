@@ -13,6 +13,9 @@ pub trait World {
     fn hits(&self) -> Option<u64>;
 }
 
+/// Makes a world of a problem.
+pub type Make = Box<dyn Fn(&Problem, bool) -> Box<dyn World>>;
+
 /// A way to run a problem.
 pub struct Entry {
     /// Name of the engine, with its precision.
@@ -20,7 +23,7 @@ pub struct Entry {
     /// Its settings, in few words.
     pub setting: String,
     /// Makes the world; with `true`, one that also counts hits.
-    pub make: Box<dyn Fn(&Problem, bool) -> Box<dyn World>>,
+    pub make: Make,
 }
 
 /// All samples of a run, the start included, and the hits counted.

@@ -39,16 +39,11 @@ impl Knobs {
     }
 
     /// The settings that a case is given: those that were best of many in some case, and the cheapest.
-    pub fn tried(problem: &Problem, quick: bool) -> Vec<Self> {
+    pub fn tried(problem: &Problem) -> Vec<Self> {
         let cells = if problem.cells.is_empty() { &[0][..] } else { &problem.cells };
-        let few = match (quick, problem.gas) {
-            (true, true) => 1,
-            (true, false) => 2,
-            (false, _) => usize::MAX,
-        };
         let mut tried = vec![];
-        for &cells in cells.iter().take(if quick { 1 } else { usize::MAX }) {
-            for (n, &rate_hz) in problem.rates_hz.iter().take(few).enumerate() {
+        for &cells in cells {
+            for (n, &rate_hz) in problem.rates_hz.iter().enumerate() {
                 let plain = Self { cells, ..Self::plain(rate_hz) };
                 // Contacts that are used again cost least, and in a bowl most of the energy.
                 let anew = Self { recycling: false, ..plain };

@@ -99,9 +99,8 @@ impl Others {
         let failed = |why| OthersError::Read { what: what.clone(), why };
         let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/others.py");
         let spawned = Command::new(python).arg(script).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
-        let mut child = match spawned {
-            Ok(child) => child,
-            Err(_) => return Ok(Self { runs: vec![], missing: vec![python.to_owned()] }),
+        let Ok(mut child) = spawned else {
+            return Ok(Self { runs: vec![], missing: vec![python.to_owned()] });
         };
         // The script reads everything before it prints anything.
         let told = serde_json::to_vec(problems).expect("numbers and words");

@@ -9,6 +9,10 @@ pub mod single {
     use rapier3d::na::Unit;
     use rapier3d::prelude::*;
     include!("rapier_world.rs");
+
+    fn real(x: f64) -> Real {
+        x as Real
+    }
 }
 
 /// In f64.
@@ -20,4 +24,8 @@ pub mod double {
     use rapier3d_f64::na::Unit;
     use rapier3d_f64::prelude::*;
     include!("rapier_world.rs");
+
+    fn real(x: f64) -> Real {
+        x
+    }
 }

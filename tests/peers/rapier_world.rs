@@ -78,18 +78,18 @@ impl World for Rapier {
 
 fn parameters(problem: &Problem, knobs: &Knobs) -> IntegrationParameters {
     let mut parameters = IntegrationParameters {
-        dt: 1.0 / knobs.rate_hz as Real,
+        dt: real(1.0 / f64::from(knobs.rate_hz)),
         num_solver_iterations: knobs.iterations[0],
         num_internal_pgs_iterations: knobs.iterations[1],
-        normalized_prediction_distance: knobs.prediction as Real,
+        normalized_prediction_distance: real(knobs.prediction),
         normalized_max_linear_velocity: Real::MAX,
         max_ccd_substeps: knobs.ccd,
-        min_ccd_dt: 0.01 / knobs.rate_hz as Real,
+        min_ccd_dt: real(0.01 / f64::from(knobs.rate_hz)),
         contact_recycling: knobs.recycling,
         ..IntegrationParameters::default()
     };
     if let Some(part) = knobs.stiffness {
-        let stiff = SpringCoefficients::new((part * f64::from(knobs.rate_hz)) as Real, 1.0);
+        let stiff = SpringCoefficients::new(real(part * f64::from(knobs.rate_hz)), 1.0);
         parameters.contact_softness = stiff;
         parameters.static_contact_softness = stiff;
     }
@@ -135,7 +135,7 @@ fn mesh(c: f64, half: f64, cells: usize) -> ColliderBuilder {
 fn height_field(c: f64, half: f64, cells: usize) -> ColliderBuilder {
     let side = cells + 1;
     let at = |k: usize| half * (2.0 * k as f64 / cells as f64 - 1.0);
-    let heights = (0..side * side).map(|n| (c * (at(n % side).powi(2) + at(n / side).powi(2))) as Real);
+    let heights = (0..side * side).map(|n| real(c * (at(n % side).powi(2) + at(n / side).powi(2))));
     let heights = Array2::new(side, side, heights.collect());
     let scale = vector([2.0 * half, 1.0, 2.0 * half]);
     ColliderBuilder::heightfield_with_flags(heights, scale, HeightFieldFlags::FIX_INTERNAL_EDGES)
@@ -180,8 +180,8 @@ fn add_ball(
         body = body.locked_axes(LockedAxes::ROTATION_LOCKED | flat);
     }
     let inertia = ball.inertia_factor * ball.mass * ball.radius * ball.radius;
-    let mass = MassProperties::new(Vector::ZERO, ball.mass as Real, vector([inertia; 3]));
-    let mut collider = surface_of(ColliderBuilder::ball(ball.radius as Real), problem).mass_properties(mass);
+    let mass = MassProperties::new(Vector::ZERO, real(ball.mass), vector([inertia; 3]));
+    let mut collider = surface_of(ColliderBuilder::ball(real(ball.radius)), problem).mass_properties(mass);
     if events {
         collider = collider.active_events(ActiveEvents::COLLISION_EVENTS);
     }
@@ -198,7 +198,7 @@ fn surface_of(collider: ColliderBuilder, problem: &Problem) -> ColliderBuilder {
 }
 
 fn vector(a: Triple) -> Vector {
-    Vector::new(a[0] as Real, a[1] as Real, a[2] as Real)
+    Vector::new(real(a[0]), real(a[1]), real(a[2]))
 }
 
 fn triple(v: Vector) -> Triple {

@@ -71,7 +71,7 @@ fn entries(problem: &Problem, quick: bool) -> Vec<Entry> {
         Ground::Bowl(_) => &[1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12],
     };
     let mut entries: Vec<Entry> = tolerances.iter().map(|tolerance| ours::entry(*tolerance)).collect();
-    for knobs in Knobs::tried(problem, quick) {
+    for knobs in Knobs::tried(problem) {
         entries.extend([double::entry(knobs), single::entry(knobs)]);
     }
     entries

@@ -88,6 +88,10 @@ fn introduction(others: &Others) -> Markup {
             "settings are tried, and the table shows its most accurate and its cheapest. Rapier is " (version("rapier3d"))
             " in f32 and in f64, on one thread. On the plane Rapier gets neither floor nor gravity, and the height of its "
             "balls is locked, which is less work than a floor; in bowls it gets a mesh or a height field."
+            @if !others.runs.is_empty() {
+                " Engines that have Python packages ran in a process of their own just before or elsewhere, and were timed "
+                "there in the same way; their hits are not counted."
+            }
         }
         p {
             "These engines solve a more general problem: bodies of any shape, joints, stacks, floors that balls leave and "

@@ -7,7 +7,7 @@ use ballroom_cases::references::{self, Seen};
 use ballroom_cases::scenes::random;
 use ballroom_physics::MotionLaw;
 
-/// All cases, each made when it is wanted; `quick` leaves out the large ones.
+/// All cases; `quick` leaves out the large ones, and high rates and fine meshes.
 pub fn problems(quick: bool) -> Vec<Problem> {
     let mut problems = vec![
         orbit("bowl-sliding", "One ball slides round a paraboloid bowl for 10 s"),
@@ -19,6 +19,12 @@ pub fn problems(quick: bool) -> Vec<Problem> {
     let sizes: &[usize] = if quick { &[100] } else { &[100, 1_000, 10_000] };
     problems.extend(sizes.iter().map(|count| gas(*count, false)));
     problems.extend(sizes.iter().map(|count| gas(*count, true)));
+    if quick {
+        for problem in &mut problems {
+            problem.rates_hz.truncate(if problem.gas { 1 } else { 2 });
+            problem.cells.truncate(1);
+        }
+    }
     problems
 }
 

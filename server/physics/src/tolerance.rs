@@ -17,13 +17,17 @@ pub const STEP_MAX: f64 = 0.5;
 pub const STEP_MIN: f64 = 1.0 / 1_048_576.0;
 /// First step tried, s; ten halvings lie between it and the shortest that scenes need.
 pub const STEP_FIRST: f64 = 0.0625;
-/// Error after doubling a step over error before, against an allowance that grows twofold: 2^9 / 2 = 256 for
-/// a solution of order 8, and a margin of 1.5 that keeps acceptance likely.
-pub const GROWTH_OF_DOUBLING: f64 = 384.0;
-/// Part of the wanted error that the steps of one second may use up. The estimate is of lower order than the solution and
-/// overrates its error, but floors that part neighbouring paths pay back less: a quarter keeps what is asked for from 1e-6
-/// to 1e-12 m on every reference, half misses it by half, and costs up to 7 % fewer steps.
-pub const ERROR_PER_SECOND: f64 = 0.25;
+/// Part of the length that would use up what is allowed that is tried: more is refused more often, less takes more steps.
+pub const STEP_MARGIN: f64 = 0.9;
+/// Most that a step may be longer than the one before. Where a path turns back the estimate passes through zero, and twice the
+/// length would be taken on trust: the worst of the references then errs by a third more. Less is slow to grow after a hard place.
+pub const GROWTH_MAX: f64 = 1.25;
+/// Most that a step may be shorter than the one that was refused.
+pub const SHRINK_MAX: f64 = 0.25;
+/// Part of the wanted error that the steps of one second may use up. Floors pay back what neighbouring paths part, a pit
+/// forty times as much as a bowl: with this part, from 1e-6 to 1e-12 m on every reference, what is obtained lies between
+/// 0.01 and 0.9 times what is asked for.
+pub const ERROR_PER_SECOND: f64 = 0.045;
 
 /// Error one step of `h` seconds may have when `tolerance` metres are wanted, m.
 pub fn allowed_error(tolerance: f64, h: f64) -> f64 {
@@ -110,6 +114,10 @@ pub const POLISH_SPAN: f64 = QUANTUM;
 /// Corrections by integrating afresh before the rest is applied to first order.
 pub const POLISH_ROUNDS: u32 = 4;
 
+/// Half the side of the square around a ball that is hit in which others may touch it, in radii: 1, and room for the
+/// polish.
+pub const GATHER_RADII: f64 = 1.01;
+
 /// Contacts solved as one impact; more are solved one after the other in order of their ids.
 pub const CLUSTER_MAX: usize = 128;
 /// Contacts solved as one slow impact: enough for a row of balls that settle together, few enough for a pile.
@@ -157,7 +165,7 @@ pub const REACH_PAIRS_MAX: usize = 500_000;
 
 /// Width of the halo around a shard's strip, in reaches of the largest ball's bounds: radius and travel, three radii. Less
 /// lets phases fail whose balls come from afar or whose cut is old, more has shards run more copies.
-pub const HALO: f64 = 6.0;
+pub const HALO: f64 = 4.0;
 /// Most phases run in one piece after one that was undone: a scene that never divides then loses little.
 pub const PHASES_APART_MAX: u32 = 64;
 
@@ -165,6 +173,8 @@ pub const PHASES_APART_MAX: u32 = 64;
 pub const HITS_KEPT: usize = 65_536;
 
 const _: () = assert!(STEP_MIN < STEP_FIRST && STEP_FIRST <= STEP_MAX);
+/// A step that is refused grows shorter even by the least part, and one that may grow does.
+const _: () = assert!(STEP_MARGIN < 1.0 && SHRINK_MAX < STEP_MARGIN && GROWTH_MAX >= 17.0 / 16.0);
 const _: () = assert!(WINDOW_MIN < WINDOW_MAX);
 const _: () = assert!(TOUCH_CURVED < POLISH);
 const _: () = assert!(REST_SPEED < HOP_SPEED && HOP_SPEED < HOLD_SPEED);

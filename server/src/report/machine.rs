@@ -40,9 +40,10 @@ impl Machine {
             load: load.split_whitespace().next().and_then(|first| first.parse().ok()),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             build: format!(
-                "{} {}, {}",
+                "{} {}, Rust {} or newer, {}",
                 std::env::consts::ARCH,
                 std::env::consts::OS,
+                env!("CARGO_PKG_RUST_VERSION"),
                 if cfg!(debug_assertions) { "not optimised: costs mean nothing" } else { "optimised" }
             ),
         }

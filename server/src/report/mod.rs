@@ -21,9 +21,11 @@
 //! | [`ticks`] | how long they take, and which bits come out |
 //! | [`phases`] | where the time goes |
 //! | [`hard_cases`] | what is demanded, and what is done |
+//! | [`ablation`] | what each feature costs, used and not |
 //! | [`clock`] | CPU time of a piece of work |
 //! | [`machine`] | what it was measured on |
 
+pub mod ablation;
 pub mod chapter;
 pub mod clock;
 pub mod energy;
@@ -113,6 +115,7 @@ impl From<SceneError> for ReportError {
 pub fn sections(options: &Options, progress: &mut Progress<'_>) -> Result<Vec<Section>, ReportError> {
     let mut sections = chapters(options, progress)?;
     sections.push(hard_cases::measure(options, progress));
+    sections.push(ablation::measure(options, progress)?);
     Ok(sections)
 }
 

@@ -63,10 +63,18 @@ impl Table {
 
 /// A table as people read it. Cells that begin like numbers are set to the right.
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> Markup {
+    let of_numbers =
+        |column: usize| rows.first().and_then(|row| row.get(column)).is_some_and(|cell| is_number(cell));
     html! {
         div class="wide" {
             table {
-                thead { tr { @for head in header { th { (head) } } } }
+                thead {
+                    tr {
+                        @for (i, head) in header.iter().enumerate() {
+                            th class=[of_numbers(i).then_some("n")] { (head) }
+                        }
+                    }
+                }
                 tbody {
                     @for row in rows {
                         tr { @for cell in row { td class=[is_number(cell).then_some("n")] { (cell) } } }

@@ -14,7 +14,7 @@ from gmpy2 import mpfr
 from impacts import Pair, Wall, bounce, time_of_impact
 from newton_euler import Ball, step
 
-# Sevenths of a second fall everywhere within the engine's steps, which are powers of two.
+# Sevenths of a second fall everywhere within the engine's steps, which are short binary fractions.
 RATE_HZ = 7
 SECONDS = 10
 SUBSTEPS = {"cylinder": 10, "monkey": 10, "steep": 10, "whirl": 40}

@@ -14,7 +14,9 @@ impl Controller {
     pub fn advance_to(&mut self, time: Time) -> Report {
         if self.shards.is_some() {
             let in_turn = &mut |shards: &mut Vec<Shard>, until| {
-                shards.iter_mut().for_each(|shard| shard.advance_to(until));
+                for shard in shards {
+                    shard.advance_to(until);
+                }
             };
             return self.advance_divided(time, in_turn);
         }

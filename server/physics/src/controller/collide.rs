@@ -8,7 +8,7 @@ use crate::motion::together::{self, Landing};
 use crate::resolve::impact::{Contact, Member, hop, resolve_cluster, resolve_one};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{
-    self, CLUSTER_MAX, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
+    self, CLUSTER_MAX, GATHER_RADII, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
     SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
 };
 use nalgebra::Vector3;
@@ -261,7 +261,10 @@ impl Controller {
             }
             let mut found = std::mem::take(&mut cluster.found);
             found.clear();
-            self.broad_phase.neighbours(ball, |other| {
+            // A little more than the ball itself: others' bounds hold them whole.
+            let side = radius * GATHER_RADII + POLISH;
+            let bounds = [center.x - side, center.y - side, center.x + side, center.y + side];
+            self.broad_phase.neighbours_within(ball, &bounds, |other| {
                 let arc = &self.arcs[other];
                 let apart = arc.center_at(time.since(arc.start)) - center;
                 let reach = radius + arc.radius + POLISH;

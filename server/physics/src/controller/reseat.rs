@@ -117,14 +117,11 @@ impl Controller {
     /// in no ball, before any is moved. What follows is a function of what was set, not of what the ball did before, but
     /// for its orientation, which it keeps. The energy put in counts as steering work.
     pub fn set_balls(&mut self, seats: &[Seat]) -> Result<(), SeatFault> {
+        let before = self.now;
         self.recall();
         self.now = self.now.max(self.time);
-        let mut seated = seats.iter().map(|seat| self.seated(seat)).collect::<Result<Vec<_>, _>>()?;
-        seated.sort_by_key(|seated| seated.ball);
-        if let Some(pair) = seated.windows(2).find(|pair| pair[0].ball == pair[1].ball) {
-            return Err(SeatFault::Twice { ball: pair[0].ball });
-        }
-        self.find_room(&seated)?;
+        // A refusal leaves no trace.
+        let seated = self.all_seated(seats).inspect_err(|_| self.now = before)?;
         for Seated { ball, state, .. } in &seated {
             self.seat(*ball, state);
         }
@@ -177,6 +174,17 @@ impl Controller {
         fresh.stand_as_in(self);
         fresh.report = crate::diagnostics::Report::default();
         fresh
+    }
+
+    /// In the order of ids, and with room for all.
+    fn all_seated(&mut self, seats: &[Seat]) -> Result<Vec<Seated>, SeatFault> {
+        let mut seated = seats.iter().map(|seat| self.seated(seat)).collect::<Result<Vec<_>, _>>()?;
+        seated.sort_by_key(|seated| seated.ball);
+        if let Some(pair) = seated.windows(2).find(|pair| pair[0].ball == pair[1].ball) {
+            return Err(SeatFault::Twice { ball: pair[0].ball });
+        }
+        self.find_room(&seated)?;
+        Ok(seated)
     }
 
     fn seated(&self, seat: &Seat) -> Result<Seated, SeatFault> {

@@ -5,6 +5,7 @@ use super::dop853::{self, Attempt};
 use super::law::{Law, ROLLING, SLIDING, Stand, State, angular_velocity, velocity};
 use super::low_order;
 use super::step::{Step, TERMS};
+use super::step_size;
 use crate::number::Triple;
 use crate::scene::{Accuracy, Scheme};
 use crate::schedule::time::Time;
@@ -30,7 +31,7 @@ pub struct Body {
 /// Length of step wanted next, and steps spent.
 #[derive(Clone, Copy, Debug)]
 pub struct Stepping {
-    /// Step to try, s: a power of two, or the scene's fixed step.
+    /// Step to try, s: of few bits, or the scene's fixed step.
     pub try_s: f64,
     /// Steps computed, kept or not.
     pub steps: u64,
@@ -208,7 +209,7 @@ fn land_by<const D: usize, C: Chart>(
     (end, law.slope(&end).rate)
 }
 
-/// One accepted step and its length. The ladder of powers of two makes acceptance repeatable.
+/// One accepted step and its length.
 fn step_by<const D: usize, C: Chart>(
     law: &Law<'_, C, f64>,
     accuracy: Accuracy,
@@ -234,7 +235,7 @@ fn step_by<const D: usize, C: Chart>(
     loop {
         let h = stepping.try_s;
         let attempt = attempt_alone(law, y, &first.slope.rate, h);
-        let error = dop853::error_estimate(h, first.stretch, attempt.errors());
+        let error = dop853::error_estimate(h, first.stretch, first.precession, attempt.errors());
         match stepping.judge(tolerance, error) {
             Verdict::Kept => return (h, finish_alone(law, y, first, h, attempt)),
             Verdict::Refused => {}
@@ -255,25 +256,19 @@ pub(super) enum Verdict {
 }
 
 impl Stepping {
-    /// Counts a step of [`Self::try_s`] with this error, and chooses the length of the next. The ladder of powers of two
-    /// makes acceptance repeatable.
+    /// Counts a step of [`Self::try_s`] with this error, and chooses the length of the next. Whether it is kept depends on
+    /// nothing else.
     pub(super) fn judge(&mut self, tolerance: f64, error: f64) -> Verdict {
         let h = self.try_s;
         let allowed = tolerance::allowed_error(tolerance, h);
         let smallest = h <= tolerance::STEP_MIN;
         self.steps += 1;
+        self.try_s = step_size::next(h, allowed, error);
         // A NaN is refused too.
         if error.is_nan() || (error > allowed && !smallest) {
-            if smallest {
-                return Verdict::GivenUp;
-            }
-            self.try_s = 0.5 * h;
-            return Verdict::Refused;
+            return if smallest { Verdict::GivenUp } else { Verdict::Refused };
         }
         self.forced += u64::from(error > allowed);
-        if error * tolerance::GROWTH_OF_DOUBLING <= allowed && h < tolerance::STEP_MAX {
-            self.try_s = 2.0 * h;
-        }
         Verdict::Kept
     }
 }

@@ -72,6 +72,8 @@ pub struct Stand<T, const D: usize> {
     pub center: Triple<T>,
     /// E and G of the floor's first fundamental form.
     pub stretch: [T; 2],
+    /// Mean rate at which a ball's spin turns its velocity round on the curved floor, k sigma H / (1+k), rad/s; 0 when sliding.
+    pub precession: T,
 }
 
 /// The right-hand side of one ball, or of several side by side.
@@ -103,8 +105,14 @@ impl<C: Chart, T: Number> Law<'_, C, T> {
     pub fn stand<const D: usize>(&self, y: &[T; D]) -> Stand<T, D> {
         let frame = self.chart.frame([y[0], y[1]]);
         let slope = self.slope_in(&frame, y);
-        let [e, _, g] = frame.first();
-        Stand { slope, center: frame.point() + slope.normal * self.radius, stretch: [e, g] }
+        let [e, f, g] = frame.first();
+        let mut precession = self.radius.like(0.0);
+        if D == ROLLING {
+            let [l, m, n] = frame.second();
+            let twice_mean = (e * n - f * m * 2.0 + g * l) * frame.inverse_area_squared();
+            precession = self.inertia_factor * self.share * y[5] * twice_mean * 0.5;
+        }
+        Stand { slope, center: frame.point() + slope.normal * self.radius, stretch: [e, g], precession }
     }
 
     #[inline(always)]

@@ -1,8 +1,8 @@
 //! How a ball moves while nothing hits it.
 //!
 //! `law` holds the equations, `dop853`, `tsit5` and `rk4` step them, `arc` is what a step leaves behind: one
-//! polynomial that everything else reads. `rotation` turns a ball whose motion needs no stepping, and
-//! `together` computes several balls' steps side by side.
+//! polynomial that everything else reads. `step_size` says how long the next step is. `rotation` turns a ball whose
+//! motion needs no stepping, and `together` computes several balls' steps side by side.
 
 pub mod arc;
 pub mod body;
@@ -12,4 +12,5 @@ pub mod law;
 pub mod low_order;
 pub mod rotation;
 pub mod step;
+pub mod step_size;
 pub mod together;

@@ -137,7 +137,9 @@ fn launch_lanes<const D: usize, C: Chart, S: Simd>(
                 continue;
             }
             let errors = [numbers(&errors[0], lane), numbers(&errors[1], lane)];
-            let error = dop853::error_estimate(tried[lane], numbers(&first.stretch, lane), errors);
+            let stretch = numbers(&first.stretch, lane);
+            let precession = first.precession.lane(lane);
+            let error = dop853::error_estimate(tried[lane], stretch, precession, errors);
             let verdict = ball.stepping.judge(tolerance, error);
             if verdict == Verdict::GivenUp {
                 ball.arc.fill::<D>(tried[lane], &[f64::NAN; D], &not_finite(), accuracy);

@@ -10,7 +10,7 @@
 //! | [`bounce`] | B15: down a slope against a wall |
 //! | [`collapse`] | B17: beads on a wall, either side of the threshold |
 //! | [`loops`] | the rotation a closed path leaves behind, and a million ticks of it |
-//! | [`orders`] | what order each scheme shows, and whether an error asked for is kept |
+//! | [`orders`] | what order each scheme shows, and whether an error asked for is obtained |
 //!
 //! B16 is H1, B19 is H3, B20 is H2 among the hard cases.
 

@@ -1,9 +1,10 @@
 //! What order every scheme of fixed step shows over all ticks, inside steps too, beside the reference `bumps-solid`; and
-//! whether an error asked for is kept, beside every reference without hits.
+//! whether an error asked for is obtained, beside every reference without hits.
 
 use crate::case::Case;
 use crate::demand::{Demand, Span};
-use crate::references::{bumps_errors, largest_error};
+use crate::references::{self, bumps_errors};
+use crate::ride::Largest;
 use ballroom_physics::{Accuracy, SceneFault, Scheme};
 
 /// The scheme's order less those observed for centre, velocity, angular velocity and orientation, from a step to its half;
@@ -39,16 +40,34 @@ pub fn cases() -> Vec<Case> {
             move || missing(scheme, order, step),
         ));
     }
-    for tolerance in [1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12] {
-        cases.push(Case::new(
-            format!("O/asked-{tolerance:e}"),
-            format!("{tolerance:e} m asked for over 10 s"),
-            [Demand {
-                norm: "largest over ticks and references without hits",
-                ..Demand::over_ticks("centre", "m", span, tolerance)
-            }],
-            move || Ok([largest_error(Accuracy::Tolerance(tolerance))?]),
-        ));
-    }
+    cases.extend(references::smooth().map(|(name, error)| asked(name, error)));
     cases
+}
+
+/// What is asked for, m.
+const TOLERANCES: [f64; 7] = [1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12];
+
+/// Whether a reference is followed as exactly as asked for, and not much more exactly, which would cost steps.
+fn asked(name: &str, error: impl Fn(Accuracy) -> Result<f64, SceneFault> + Send + Sync + 'static) -> Case {
+    let over = |quantity, limit| Demand {
+        norm: "largest over what is asked for, from 1e-6 to 1e-12 m",
+        ..Demand::over_ticks(quantity, "1", Span::Seconds(10.0), limit)
+    };
+    Case::new(
+        format!("O/asked/{name}"),
+        "an error asked for is obtained, and no step wasted on a smaller one",
+        [
+            over("error obtained over error asked for", 1.0),
+            over("error asked for over error obtained", 100.0),
+        ],
+        move || {
+            let mut largest = [Largest::default(); 2];
+            for tolerance in TOLERANCES {
+                let obtained = error(Accuracy::Tolerance(tolerance))?;
+                largest[0].see(obtained / tolerance);
+                largest[1].see(tolerance / obtained);
+            }
+            Ok(largest.map(Largest::value))
+        },
+    )
 }

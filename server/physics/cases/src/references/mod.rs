@@ -10,7 +10,6 @@ mod floors;
 mod table;
 
 use crate::case::Case;
-use crate::ride::Largest;
 use crate::scenes::{HOLLOW, SOLID};
 use ballroom_physics::{Accuracy, Scene, SceneFault};
 use compare::{Ground, Reference, Start};
@@ -198,14 +197,18 @@ pub fn named(name: &str) -> Option<(Scene, Table)> {
     Some((reference.scene(Chart::Plain), Table::read(reference.text)))
 }
 
-/// The largest error of a centre beside any reference without hits, m.
-pub fn largest_error(accuracy: Accuracy) -> Result<f64, SceneFault> {
-    let mut largest = Largest::default();
-    for reference in [with_symmetry(), without_symmetry(), saddles_and_steep()].into_iter().flatten() {
-        let scene = Scene { accuracy, ..reference.scene(Chart::Plain) };
-        largest.see(reference.errors(&scene)?[0]);
-    }
-    Ok(largest.value())
+/// For each reference without hits on a curved floor, its name and what it measures for an accuracy: the largest error of
+/// a centre, m.
+pub fn smooth() -> impl Iterator<Item = (&'static str, impl Fn(Accuracy) -> Result<f64, SceneFault>)> {
+    let references = [with_symmetry(), without_symmetry(), saddles_and_steep()].into_iter().flatten();
+    references.filter(|reference| reference.ground.shape != floors::INCLINE).map(|reference| {
+        let name = reference.name;
+        let error = move |accuracy| {
+            let scene = Scene { accuracy, ..reference.scene(Chart::Plain) };
+            Ok(reference.errors(&scene)?[0])
+        };
+        (name, error)
+    })
 }
 
 /// Every case of this room.

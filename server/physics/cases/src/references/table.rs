@@ -2,7 +2,7 @@
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-/// Rate of the ticks, Hz: sevenths of a second fall everywhere within the engine's steps, which are powers of two.
+/// Rate of the ticks, Hz: sevenths of a second fall everywhere within the engine's steps, which are short binary fractions.
 pub const RATE_HZ: u32 = 7;
 /// How far the files go, s.
 pub const SECONDS: u32 = 10;

@@ -119,7 +119,7 @@ impl Shards {
                     _ if !here => Role::Absent,
                     std::cmp::Ordering::Less => Role::Below,
                     std::cmp::Ordering::Greater => Role::Above,
-                    std::cmp::Ordering::Equal if members.count_ones() == 1 => Role::Private,
+                    std::cmp::Ordering::Equal if members.is_power_of_two() => Role::Private,
                     std::cmp::Ordering::Equal => Role::Shared,
                 };
             }

@@ -63,6 +63,15 @@ pub(super) struct Entry {
     pub words: Range<usize>,
 }
 
+/// What an event read.
+#[derive(Clone, Debug, Default)]
+struct Reads {
+    /// An own ball, and one that is not there.
+    own: bool,
+    absent: bool,
+    copies: Vec<u32>,
+}
+
 /// A shard's notes. The whole of a divided run has some too: who was changed in it.
 #[derive(Clone, Debug)]
 pub(crate) struct Share {
@@ -89,10 +98,7 @@ pub(crate) struct Share {
     pub(super) needed: Vec<Time>,
     /// The event's time.
     event: Time,
-    /// Whether the event read an own ball, and the copies it read.
-    reads_own: bool,
-    reads_absent: bool,
-    reads: Vec<u32>,
+    reads: Reads,
     /// Whether an own ball was to meet one that is not there.
     pub(super) lost: bool,
     /// Addends of the sums of the whole, with their instants, in order.
@@ -122,10 +128,8 @@ impl Share {
             words: Vec::new(),
             needed: vec![Time::ZERO; balls],
             event: Time::ZERO,
-            reads_own: false,
-            reads_absent: false,
+            reads: Reads::default(),
             lost: false,
-            reads: Vec::new(),
             addends: Vec::new(),
             hit_times: Vec::new(),
             hits_dropped: 0,
@@ -185,16 +189,16 @@ impl Share {
 
     fn read(&mut self, ball: usize) {
         match self.role[ball] {
-            Role::Absent => self.reads_absent = true,
-            Role::Private | Role::Shared => self.reads_own = true,
-            Role::Below | Role::Above => self.reads.push(ball as u32),
+            Role::Absent => self.reads.absent = true,
+            Role::Private | Role::Shared => self.reads.own = true,
+            Role::Below | Role::Above => self.reads.copies.push(ball as u32),
         }
     }
 
     fn open_event(&mut self, ball: usize, next: &Next) {
         self.event = next.time;
-        self.reads.clear();
-        (self.reads_own, self.reads_absent) = (false, false);
+        self.reads.copies.clear();
+        (self.reads.own, self.reads.absent) = (false, false);
         self.read(ball);
         if let What::Ball { other, .. } = next.what {
             self.read(other as usize);
@@ -202,9 +206,9 @@ impl Share {
     }
 
     fn close_event(&mut self) {
-        if self.reads_own {
-            self.lost |= self.reads_absent;
-            for ball in self.reads.drain(..) {
+        if self.reads.own {
+            self.lost |= self.reads.absent;
+            for ball in self.reads.copies.drain(..) {
                 self.needed[ball as usize] = self.event;
             }
         }
@@ -218,7 +222,7 @@ impl Controller {
         let (mut own, mut absent) = (true, false);
         if let Some(share) = &mut self.share {
             share.open_event(ball, next);
-            (own, absent) = (share.owns(ball), share.reads_absent);
+            (own, absent) = (share.owns(ball), share.reads.absent);
         }
         self.now = self.now.max(next.time);
         if absent {
