@@ -2,6 +2,8 @@
 
 #[path = "system/commands.rs"]
 mod commands;
+#[path = "system/error_estimate.rs"]
+mod error_estimate;
 #[path = "system/hostile.rs"]
 mod hostile;
 #[path = "system/isolation.rs"]

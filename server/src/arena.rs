@@ -8,6 +8,7 @@ use crate::network::{Latest, Link, Network, NetworkError};
 use crate::ready::Ready;
 use crate::recording::{RecordOptions, Recorder, RecordingError, Tape};
 use crate::scene_file::{SceneError, SceneText};
+use crate::shadows::shadows;
 use crate::simulation::Simulation;
 use crate::tick_loop::TickLoop;
 use crate::workshop::Bench;
@@ -37,6 +38,8 @@ pub struct ArenaOptions {
     pub record: Option<RecordOptions>,
     /// What the history may take, bytes; 0 for none.
     pub history_bytes: u64,
+    /// Balls whose errors are estimated while they run, at most [`SHADOWS_MAX`](crate::shadows::SHADOWS_MAX); 0 for none.
+    pub shadows: usize,
     /// Obeyed before the first tick, in this order; none may depend on the past.
     pub first: Vec<Command>,
     /// Where it can be reached, unless it shares the session of other arenas.
@@ -65,6 +68,7 @@ impl Default for ArenaOptions {
             paused: false,
             record: None,
             history_bytes: DEFAULT_HISTORY_BYTES,
+            shadows: 0,
             first: Vec::new(),
             network: NetworkOptions::default(),
         }
@@ -144,14 +148,19 @@ impl Arena {
             }
             None => (Tape::default(), None),
         };
+        let (sampler, follower) = (options.shadows > 0).then(|| shadows(options.shadows)).unzip();
         let tick_loop = TickLoop::new(simulation, inbox, handover, stop.clone(), options.paused)
             .recorded_on(tape)
-            .remembered_in(diary);
-        let threads = vec![
+            .remembered_in(diary)
+            .followed_by(sampler);
+        let mut threads = vec![
             std::thread::Builder::new().name("tick".into()).spawn(move || tick_loop.run())?,
             std::thread::Builder::new().name("publish".into()).spawn(move || network.run())?,
             std::thread::Builder::new().name("history".into()).spawn(move || archive.run())?,
         ];
+        if let Some(follower) = follower {
+            threads.push(std::thread::Builder::new().name("shadows".into()).spawn(move || follower.run())?);
+        }
         Ok(ArenaHandle {
             endpoints: link.endpoints().to_vec(),
             stop,

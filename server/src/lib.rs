@@ -26,6 +26,8 @@
 //! | [`checkpoint_file`] | a run saved, to go on with later |
 //! | [`recording`] | what a run was given and what became of it, in a file; and the run again |
 //! | [`report`] | speed against error, measured and written as a page |
+//! | [`shadows`] | how exactly a run is computed, estimated while it runs |
+//! | [`rehearsal`] | how exactly a scene can be run within a budget |
 //! | [`screening`] | a recording shown again, at any speed |
 //! | `network` | the only place that names Zenoh |
 //! | [`terminal`] | keys in, a few lines out, for whoever plays in a terminal |
@@ -49,9 +51,11 @@ pub mod parameters;
 pub mod players;
 pub mod ready;
 pub mod recording;
+pub mod rehearsal;
 pub mod report;
 pub mod scene_file;
 pub mod screening;
+pub mod shadows;
 pub mod simulation;
 pub mod terminal;
 pub mod tick_loop;

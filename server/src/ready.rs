@@ -46,11 +46,10 @@ impl Ready {
                 let velocity = velocity_m_per_s.map(Into::into);
                 return simulation.set_selected(select, velocity, *spin_rad_per_s);
             }
-            (Self::Page(_), _) => {}
             (Self::Nothing, command) if command.needs_preparing() => {
                 return Err(Refusal::new(code::OPERATION_FAILED, "nothing was made ready for this"));
             }
-            (Self::Nothing, _) => {}
+            (Self::Page(_) | Self::Nothing, _) => {}
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ use crate::change::{Change, meant};
 use crate::crew::Crew;
 use crate::scene_file::{LoadedScene, SceneError};
 use crate::world::{Present, World};
-use ballroom_physics::{Controller, Drive, Hit, Seat, Time};
+use ballroom_physics::{BallState, Controller, Drive, Hit, Seat, Time};
 use nalgebra::{Vector2, Vector3};
 use protocol::command::{Direction, Refusal, Scope, SteerMode, code};
 use protocol::listing::Selection;
@@ -296,6 +296,16 @@ impl Simulation {
     /// Hash of everything that influences the future; what holds a force and until when follows from the commands.
     pub fn state_hash(&self) -> u64 {
         self.controller.state_hash()
+    }
+
+    /// A ball at the present time, by id.
+    pub fn ball_state(&self, ball: usize) -> BallState {
+        self.controller.ball(ball)
+    }
+
+    /// Whether a force is held on any ball.
+    pub fn is_any_driven(&self) -> bool {
+        !self.held.is_empty()
     }
 
     /// Hits of the last advance.

@@ -6,6 +6,7 @@ use crate::inbox::{Answer, Answered, ENDING, INBOX_CAPACITY, Inbox, Request};
 use crate::meter::Meter;
 use crate::ready::Ready;
 use crate::recording::Tape;
+use crate::shadows::Sampler;
 use crate::simulation::{NumberedHit, Simulation};
 use crate::wanted::{Moment, WANTED_CAPACITY};
 use protocol::command::{Command, MAX_RUN_TICKS, Refusal, Reply, RunState, Scope, SpeedFactor, code};
@@ -41,6 +42,7 @@ pub struct TickLoop {
     hits: Vec<NumberedHit>,
     tape: Tape,
     diary: Diary,
+    shadows: Option<Sampler>,
 }
 
 /// Steps still to be made while the clock stands.
@@ -77,6 +79,7 @@ impl TickLoop {
             hits: Vec::with_capacity(HITS_CAPACITY),
             tape: Tape::default(),
             diary,
+            shadows: None,
         }
     }
 
@@ -84,6 +87,13 @@ impl TickLoop {
     #[must_use]
     pub fn remembered_in(mut self, diary: Diary) -> Self {
         self.diary = diary;
+        self
+    }
+
+    /// The same, with a few balls followed by shadows.
+    #[must_use]
+    pub fn followed_by(mut self, shadows: Option<Sampler>) -> Self {
+        self.shadows = shadows;
         self
     }
 
@@ -103,9 +113,15 @@ impl TickLoop {
             handover.end();
         });
         self.hand_over();
+        if let Some(shadows) = &mut self.shadows {
+            shadows.give(&self.simulation);
+        }
         self.due = Instant::now();
         while !self.stop.load(Ordering::Relaxed) {
             let touched = self.apply_commands();
+            if let Some(shadows) = self.shadows.as_mut().filter(|_| touched) {
+                shadows.commanded();
+            }
             self.diary.show(&self.simulation);
             if self.state == RunState::Quitting {
                 break;
@@ -176,6 +192,9 @@ impl TickLoop {
         self.simulation.advance();
         self.tape.ticked(&self.simulation, self.paused);
         self.diary.ticked(&self.simulation);
+        if let Some(shadows) = &mut self.shadows {
+            shadows.ticked(&self.simulation);
+        }
         let epoch = self.simulation.epoch();
         let hits = self.simulation.hits();
         // The handover has no room for more, and a tick takes no memory; the numbers tell what is missing.
@@ -386,6 +405,10 @@ impl TickLoop {
             ..Stats::default()
         };
         self.simulation.write_stats(&mut stats);
+        if let Some(shadows) = &mut self.shadows {
+            shadows.give(&self.simulation);
+            stats.error_estimate = shadows.latest();
+        }
         self.handover.put(None, &mut self.hits, &mut self.answers, Some(stats));
     }
 }

@@ -84,6 +84,7 @@ fn figures() -> Tabs {
     let server = Vertical::new([
         plot("Tick time [ms]", plots::TICK_TIME),
         plot("Speed", plots::SPEED),
+        plot("Error, log10 m", plots::ERROR),
         plot("Bridge [states / s]", plots::BRIDGE),
     ]);
     Tabs::new([

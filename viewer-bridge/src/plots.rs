@@ -3,7 +3,7 @@
 use crate::recording::Recording;
 use crate::slot::Counts;
 use protocol::snapshot::{Collisions, Snapshot};
-use protocol::stats::Stats;
+use protocol::stats::{ErrorEstimate, Stats};
 use rerun::{RecordingStreamResult, Scalars, SeriesLines};
 use std::collections::VecDeque;
 
@@ -15,6 +15,8 @@ pub const HITS: &str = "plots/hits";
 pub const TICK_TIME: &str = "plots/tick_time";
 /// Simulated seconds per wall second.
 pub const SPEED: &str = "plots/speed";
+/// Decimal logarithm of the estimated error in metres, and of what is asked for over 10 s.
+pub const ERROR: &str = "plots/error";
 /// States per second at the bridge.
 pub const BRIDGE: &str = "plots/bridge";
 
@@ -22,6 +24,8 @@ pub const BRIDGE: &str = "plots/bridge";
 const LOG_EVERY_NS: u64 = 100_000_000;
 /// Hits are counted over this much simulated time, s.
 const HIT_WINDOW_S: f64 = 1.0;
+/// Errors below this are drawn here: less is rounding, m.
+const LEAST_ERROR_M: f64 = 1e-17;
 /// Samples kept for the window; at ten logs a second and a hundredfold slow motion the window is cut short.
 const MAX_SAMPLES: usize = 1024;
 
@@ -37,11 +41,12 @@ pub struct Plots {
 impl Plots {
     /// Names and colours of all lines, for all time.
     pub fn log_names(rec: &Recording) -> RecordingStreamResult<()> {
-        let lines: [(&str, &[(&str, u32)]); 5] = [
+        let lines: [(&str, &[(&str, u32)]); 6] = [
             (ENERGY, &[("(E - E0 - work of players) / |E0|", 0xF4A6_3AFF)]),
             (HITS, &[("ball-ball / s", 0xE45C_5CFF), ("ball-wall / s", 0x5C9E_E4FF)]),
             (TICK_TIME, &[("median ms", 0x6FCF_7FFF), ("99 % ms", 0xF2C1_4EFF), ("max ms", 0xE45C_5CFF)]),
             (SPEED, &[("reached", 0x5CD6_C0FF), ("wanted", 0x9090_90FF)]),
+            (ERROR, &[("estimated", 0xF4A6_3AFF), ("asked for", 0x9090_90FF)]),
             (
                 BRIDGE,
                 &[
@@ -95,7 +100,11 @@ impl Plots {
     pub fn log_stats(rec: &Recording, stats: &Stats) -> RecordingStreamResult<()> {
         rec.log(TICK_TIME, &Scalars::new(stats.tick_micros.map(|micros| micros * 1e-3)))?;
         let wanted = if stats.paused { 0.0 } else { stats.speed_factor };
-        rec.log(SPEED, &Scalars::new([stats.real_time_factor, wanted]))
+        rec.log(SPEED, &Scalars::new([stats.real_time_factor, wanted]))?;
+        match stats.error_estimate {
+            Some(estimate) => rec.log(ERROR, &Scalars::new(error_lines(&estimate))),
+            None => Ok(()),
+        }
     }
 
     /// Hits per simulated second over the last [`HIT_WINDOW_S`]; None before time has gone on.
@@ -142,6 +151,16 @@ impl Plots {
     }
 }
 
+/// The estimate and, where a tolerance is asked for, that: as decimal logarithms of metres.
+fn error_lines(estimate: &ErrorEstimate) -> Vec<f64> {
+    // No error at all has no logarithm.
+    [Some(estimate.error_m.max(LEAST_ERROR_M)), estimate.asked_m]
+        .into_iter()
+        .flatten()
+        .map(f64::log10)
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -152,6 +171,13 @@ mod tests {
             collisions: Collisions { ball_ball, ball_wall: 2 * ball_ball },
             ..Snapshot::default()
         }
+    }
+
+    #[test]
+    fn an_error_is_drawn_beside_what_was_asked_for() {
+        let estimate = ErrorEstimate { error_m: 1e-11, asked_m: Some(1e-9), ..ErrorEstimate::default() };
+        assert_eq!(error_lines(&estimate), [-11.0, -9.0]);
+        assert_eq!(error_lines(&ErrorEstimate::default()), [-17.0]);
     }
 
     #[test]

@@ -33,7 +33,7 @@ type Samples = Vec<(String, f64)>;
 type Metric = (&'static str, &'static str, &'static str, fn(&Sight) -> Samples);
 
 /// Counters begin anew with the epoch or the arena, as a scraper expects of a restart.
-const METRICS: [Metric; 14] = [
+const METRICS: [Metric; 15] = [
     ("ballroom_tick", "counter", "Ticks of the epoch", |s| one(s.row.tick as f64)),
     ("ballroom_balls", "gauge", "Balls", |s| one(s.row.balls as f64)),
     ("ballroom_state", "gauge", "0 stopped, 1 playing, 2 paused, 3 quitting", |s| {
@@ -52,6 +52,9 @@ const METRICS: [Metric; 14] = [
         one(s.stats.overruns as f64)
     }),
     ("ballroom_energy_joules", "gauge", "Total energy", |s| one(s.stats.energy_j[0])),
+    ("ballroom_error_metres", "gauge", "Estimated error of the balls that are followed, the largest", |s| {
+        s.stats.error_estimate.map_or_else(Samples::new, |estimate| one(estimate.error_m))
+    }),
     ("ballroom_hits", "counter", "Hits of the epoch", |s| {
         let hits = s.stats.collisions;
         vec![

@@ -7,6 +7,7 @@ mod check;
 mod clock;
 mod completions;
 mod connection;
+mod dial;
 mod exit;
 mod floor;
 mod hardcases;

@@ -2,6 +2,7 @@
 
 use super::ball_count::BallCount;
 use super::connection::ZenohFlags;
+use super::dial::Dial;
 use super::resume::Resumed;
 use super::signals::abort_on_signal;
 use anyhow::bail;
@@ -11,6 +12,7 @@ use server::arenas::recording_beside;
 use server::crew::all_cores;
 use server::history::DEFAULT_HISTORY_BYTES;
 use server::recording::{MAX_HASH_EVERY_TICKS, RecordOptions};
+use server::shadows::SHADOWS_MAX;
 use server::{ArenaOptions, Arenas, NetworkOptions, SceneText, begin_with_enough_threads};
 use std::io::Write;
 use std::path::PathBuf;
@@ -24,6 +26,7 @@ Examples:
   ballroom serve thousand --rate 120
   ballroom serve gas --balls 10000
   ballroom serve thousand --record ride.mcap
+  ballroom serve bicubic --tolerance 1e-9 --estimate-error
   ballroom serve --resume ride.mcap --record more.mcap
   ballroom serve my_scene.toml -l tcp/127.0.0.1:7500 --paused
   ballroom serve bowl left=gas right=thousand
@@ -37,6 +40,12 @@ pub struct Serve {
     scenes: Vec<Spec>,
     #[command(flatten)]
     count: BallCount,
+    #[command(flatten)]
+    dial: Dial,
+    /// Balls whose error is estimated while they run, by shadows that move a hundred times more exactly; 8 at most
+    #[arg(long, value_name = "BALLS", num_args = 0..=1, require_equals = true, default_value_t = 0, default_missing_value = "8")]
+    #[arg(value_parser = clap::value_parser!(u8).range(0..=SHADOWS_MAX as i64))]
+    estimate_error: u8,
     /// Ticks a simulated second [default: 60, or as it was]
     #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=1000))]
     rate: Option<u32>,
@@ -119,16 +128,16 @@ impl Serve {
         }
         let open = |spec: &Spec| {
             let name = spec.name.as_ref().unwrap_or(&self.arena);
-            Ok((name.clone(), self.count.open(&spec.scene)?))
+            Ok((name.clone(), self.dial.of(self.count.open(&spec.scene)?)?))
         };
         let named = self.scenes.iter().map(open).collect::<anyhow::Result<Vec<_>>>()?;
         if !named.is_empty() {
             return Ok(named);
         }
         let scene = match found {
-            Some(scene) => self.count.of(scene),
+            Some(scene) => self.dial.of(self.count.of(scene))?,
             None if self.resume.is_some() => bail!("name the scene that the run belongs to"),
-            None => self.count.open("original")?,
+            None => self.dial.of(self.count.open("original")?)?,
         };
         Ok(vec![(self.arena.clone(), scene)])
     }
@@ -167,6 +176,7 @@ impl Serve {
                 paused: self.paused,
                 record,
                 history_bytes: self.history << 20,
+                shadows: usize::from(self.estimate_error),
                 first: first.clone(),
                 ..ArenaOptions::default()
             };

@@ -1,6 +1,7 @@
 //! `simulate`: a scene as fast as it goes, without a network.
 
 use super::ball_count::BallCount;
+use super::dial::Dial;
 use super::exit::Interrupted;
 use super::lines::{Format, Lines};
 use super::signals::abort_on_signal;
@@ -29,6 +30,7 @@ Examples:
   ballroom simulate original --until 60
   ballroom simulate thousand --until 10 --every 1 --json > states.jsonl
   ballroom simulate gas --balls 10000 --until 1
+  ballroom simulate bicubic --until 10 --tolerance 1e-6
   ballroom simulate original --until 600 --save ten_minutes.json
   ballroom simulate original --load ten_minutes.json --until 660 --every 1 --csv
   ballroom simulate bowl --until 2.135585674238 --csv")]
@@ -37,6 +39,8 @@ pub struct Simulate {
     scene: String,
     #[command(flatten)]
     count: BallCount,
+    #[command(flatten)]
+    dial: Dial,
     /// Simulated seconds to run
     #[arg(long, value_name = "T", value_parser = seconds)]
     until: f64,
@@ -61,7 +65,7 @@ pub struct Simulate {
 
 impl Simulate {
     pub fn run(self) -> anyhow::Result<()> {
-        let loaded = Arc::new(self.count.open(&self.scene)?.load()?);
+        let loaded = Arc::new(self.dial.of(self.count.open(&self.scene)?)?.load()?);
         let crew = Crew::of(self.threads.map_or_else(all_cores, |threads| threads as usize))?;
         let mut simulation = Simulation::new(loaded, self.rate, 0)?;
         if let Some(file) = self.save.as_ref().filter(|file| file.exists()) {

@@ -1,6 +1,7 @@
 //! Scene files: from the text people write to what the engine takes, refusing with file, line and field.
 
 mod cloud;
+mod dial;
 mod edit;
 mod fault;
 mod floor;
@@ -54,6 +55,8 @@ pub struct SceneText {
     balls: Option<u32>,
     /// What places the clouds instead of their own seeds.
     seed: Option<u64>,
+    /// What error is asked for, when it is not what was written.
+    tolerance_m: Option<f64>,
     /// Whether `file` is a path it was read from.
     is_file: bool,
 }
@@ -61,7 +64,14 @@ pub struct SceneText {
 impl SceneText {
     /// A text under a name for messages.
     pub fn new(file: impl Into<String>, text: impl Into<Cow<'static, str>>) -> Self {
-        Self { file: file.into(), text: text.into(), balls: None, seed: None, is_file: false }
+        Self {
+            file: file.into(),
+            text: text.into(),
+            balls: None,
+            seed: None,
+            tolerance_m: None,
+            is_file: false,
+        }
     }
 
     /// A built-in scene by its bare name; a file when `scene` ends in `.toml` or holds a path separator.
@@ -88,7 +98,7 @@ impl SceneText {
     /// The same, read again if it came from a file.
     pub fn reopen(&self) -> Result<Self, SceneError> {
         let again = if self.is_file { Self::open(&self.file)? } else { self.clone() };
-        Ok(again.with_balls(self.balls))
+        Ok(again.with_balls(self.balls).with_tolerance(self.tolerance_m))
     }
 
     /// A scene that comes with the program.
@@ -246,7 +256,12 @@ impl LoadedScene {
 
     /// Sets the engine up, naming the place in the file when it refuses.
     pub fn controller(&self) -> Result<physics::Controller, SceneError> {
-        physics::Controller::new(&self.physics).map_err(|fault| fault::locate(self, &fault))
+        physics::Controller::new(&self.physics).map_err(|fault| self.refused(&fault))
+    }
+
+    /// What the engine refuses, with the place in the file.
+    pub(crate) fn refused(&self, fault: &physics::SceneFault) -> SceneError {
+        fault::locate(self, fault)
     }
 }
 

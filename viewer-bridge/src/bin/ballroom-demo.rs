@@ -5,6 +5,7 @@ use anyhow::{Context, Result, bail};
 use ballroom_client::{Abort, Client, ClientOptions, Patience};
 use clap::Parser;
 use crossterm::event::{self, Event};
+use server::shadows::SHADOWS_MAX;
 use server::{Arena, ArenaHandle, ArenaOptions, SceneText};
 use std::net::IpAddr;
 use std::path::PathBuf;
@@ -53,6 +54,13 @@ struct Arguments {
     /// Ticks per simulated second
     #[arg(long, value_name = "HZ", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rate: u32,
+    /// Position error wanted over 10 s of smooth motion, 1e-13 to 1e-2 m, in place of the scene's accuracy
+    #[arg(long, value_name = "METRES", value_parser = metres)]
+    tolerance: Option<f64>,
+    /// Balls whose error is estimated and plotted while they run; 8 at most
+    #[arg(long, value_name = "BALLS", num_args = 0..=1, require_equals = true, default_value_t = 0, default_missing_value = "8")]
+    #[arg(value_parser = clap::value_parser!(u8).range(0..=SHADOWS_MAX as i64))]
+    estimate_error: u8,
     /// Write everything to this Rerun recording too
     #[arg(long, value_name = "FILE.rrd")]
     save: Option<PathBuf>,
@@ -68,6 +76,11 @@ struct Arguments {
     /// End by itself after so many seconds
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     duration: Option<Duration>,
+}
+
+fn metres(text: &str) -> Result<f64, String> {
+    let metres: f64 = text.parse().map_err(|fault| format!("{fault}"))?;
+    if (1e-13..=1e-2).contains(&metres) { Ok(metres) } else { Err("use 1e-13 to 1e-2 metres".into()) }
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
@@ -94,9 +107,13 @@ fn run(arguments: &Arguments) -> Result<()> {
     let abort = Abort::default();
     process::on_signal(abort.clone(), screen::restore)?;
 
-    let scene = SceneText::open(&arguments.scene)?;
-    let arena =
-        Arena::start(&scene, &ArenaOptions { tick_rate_hz: arguments.rate, ..ArenaOptions::default() })?;
+    let scene = SceneText::open(&arguments.scene)?.with_tolerance(arguments.tolerance);
+    let options = ArenaOptions {
+        tick_rate_hz: arguments.rate,
+        shadows: usize::from(arguments.estimate_error),
+        ..ArenaOptions::default()
+    };
+    let arena = Arena::start(&scene, &options)?;
     tracing::info!("scene {} at {} Hz on {}", arguments.scene, arguments.rate, arena.endpoint());
     let bridge = Bridge::start(&Options {
         serve: (!arguments.no_viewer).then(|| arguments.listen.unwrap_or(live::LOOPBACK)),

@@ -2,6 +2,7 @@
 
 use crate::cli::sight::Sight;
 use protocol::report::ClientRow;
+use protocol::stats::ErrorEstimate;
 
 /// One line an arena, with its heading; the chosen one is marked.
 pub fn arenas(sights: &[Sight], chosen: Option<&str>) -> Vec<String> {
@@ -53,6 +54,7 @@ pub fn details(Sight { row, stats, clients }: &Sight) -> Vec<String> {
         let (messages, bytes) = (stream.messages_per_s, short(stream.bytes_per_s));
         lines.push(format!("  {name:22} {messages:>9.1} {bytes:>9}{unread}"));
     }
+    lines.extend(stats.error_estimate.map(|estimate| error(&estimate)));
     lines.push(String::new());
     lines.push(format!(
         "  {:22} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8} {:>9}",
@@ -70,6 +72,14 @@ pub fn details(Sight { row, stats, clients }: &Sight) -> Vec<String> {
     }
     lines.extend(clients.iter().map(reader));
     lines
+}
+
+fn error(estimate: &ErrorEstimate) -> String {
+    let ErrorEstimate { balls, error_m, followed_s, asked_m, lost, .. } = estimate;
+    let asked = asked_m.map_or(String::new(), |asked| format!(", {asked:.0e} m asked for over 10 s"));
+    format!(
+        "  ERROR ABOUT {error_m:.1e} m after {followed_s:.0} s{asked}; {balls} balls followed, {lost} lost"
+    )
 }
 
 fn reader(ClientRow { role, id, report, .. }: &ClientRow) -> String {
@@ -127,7 +137,18 @@ pub mod tests {
                 balls: 3,
                 recorded: false,
             },
-            stats: Stats { speed_factor: 2.0, commands_refused: 5, ..Stats::default() },
+            stats: Stats {
+                speed_factor: 2.0,
+                commands_refused: 5,
+                error_estimate: Some(ErrorEstimate {
+                    balls: 3,
+                    error_m: 4.2e-11,
+                    followed_s: 7.5,
+                    asked_m: Some(1e-9),
+                    ..ErrorEstimate::default()
+                }),
+                ..Stats::default()
+            },
             clients: vec![ClientRow {
                 role: Role::Viewer,
                 id: "v1".parse().unwrap(),
@@ -151,6 +172,8 @@ pub mod tests {
             reader.contains("viewer v1") && reader.contains("40.00 k") && reader.contains("1.50"),
             "{reader}"
         );
+        let error = "  ERROR ABOUT 4.2e-11 m after 8 s, 1e-9 m asked for over 10 s; 3 balls followed, 0 lost";
+        assert!(lines.iter().any(|line| line == error), "{lines:?}");
         let end = lines[lines.len() - 2].find("LOST").unwrap() + 4;
         assert!(reader[..end].ends_with('7'), "{lines:?}");
     }
