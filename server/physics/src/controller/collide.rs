@@ -261,7 +261,6 @@ impl Controller {
             }
             let mut found = std::mem::take(&mut cluster.found);
             found.clear();
-            // By the bounds of whole windows: a slow hit may be polished to beyond a neighbour's window.
             self.broad_phase.neighbours(ball, |other| {
                 let arc = &self.arcs[other];
                 let apart = arc.center_at(time.since(arc.start)) - center;

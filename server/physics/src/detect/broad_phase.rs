@@ -28,10 +28,8 @@ struct Grid {
     /// Cells along x and y: powers of two.
     cells: [i64; 2],
     inverse_size: f64,
-    /// How far bounds may reach from the middle, m.
+    /// How far bounds reach from the middle, m.
     extent: f64,
-    /// How far any ever did, along x and y, m.
-    reach: [f64; 2],
     first: Vec<u32>,
 }
 
@@ -89,7 +87,7 @@ impl BroadPhase {
     /// Files `ball` under new bounds.
     pub fn file(&mut self, ball: usize, bounds: Bounds) {
         self.bounds[ball] = bounds;
-        let cell = self.grids[usize::from(self.class[ball])].admit(&bounds);
+        let cell = self.grids[usize::from(self.class[ball])].cell_of(&bounds);
         if self.cell[ball] == cell {
             return;
         }
@@ -143,11 +141,11 @@ impl BroadPhase {
         if self.cell.len() == 1 {
             return;
         }
-        let mine = &self.bounds[ball];
+        let mine = self.bounds[ball];
         for grid in &self.grids {
             let [(i0, i1), (j0, j1)] = [0, 1].map(|axis| {
-                let low = grid.index(axis, mine[axis] - grid.reach[axis]);
-                let high = grid.index(axis, mine[axis + 2] + grid.reach[axis]);
+                let low = grid.index(axis, mine[axis] - grid.extent);
+                let high = grid.index(axis, mine[axis + 2] + grid.extent);
                 // Once around the torus is everywhere.
                 (low, high.min(low.saturating_add(grid.cells[axis] - 1)))
             });
@@ -156,7 +154,7 @@ impl BroadPhase {
                     for first in part {
                         let mut other = *first;
                         while other != NOBODY {
-                            if other as usize != ball && meet(mine, &self.bounds[other as usize]) {
+                            if other as usize != ball && meet(&mine, &self.bounds[other as usize]) {
                                 visit(other as usize);
                             }
                             other = self.next[other as usize];
@@ -206,7 +204,6 @@ impl Grid {
             cells: cells.map(u64::cast_signed),
             inverse_size: 1.0 / size,
             extent,
-            reach: [0.0; 2],
             first: vec![NOBODY; (cells[0] * cells[1]) as usize],
         }
     }
@@ -228,14 +225,12 @@ impl Grid {
         if low <= high { [&row[low..=high], &[]] } else { [&row[low..], &row[..=high]] }
     }
 
-    /// The cell of some bounds; from now on everybody looks as far as they reach.
-    fn admit(&mut self, bounds: &Bounds) -> u32 {
+    fn cell_of(&self, bounds: &Bounds) -> u32 {
         let half = [0.5 * (bounds[2] - bounds[0]), 0.5 * (bounds[3] - bounds[1])];
         // A NaN is wide too.
         if !(half[0] <= self.extent && half[1] <= self.extent) {
             return WIDE;
         }
-        self.reach = [self.reach[0].max(half[0]), self.reach[1].max(half[1])];
         let [i, j] = [0, 1]
             .map(|axis| self.index(axis, 0.5 * (bounds[axis] + bounds[axis + 2])) & (self.cells[axis] - 1));
         (j * self.cells[0] + i) as u32
