@@ -162,8 +162,6 @@ pub const REACH_PAIRS_MAX: usize = 500_000;
 /// Width of the halo around a shard's strip, in reaches of the largest ball's bounds: radius and travel, three radii. Less
 /// lets phases fail whose balls come from afar or whose cut is old, more has shards run more copies.
 pub const HALO: f64 = 6.0;
-/// Room between bounds beyond which balls cannot be found to touch, m: gathering a hit reaches [`POLISH`] beyond them.
-pub const TOUCH_ROOM: f64 = 4.0 * POLISH;
 /// Most phases run in one piece after one that was undone: a scene that never divides then loses little.
 pub const PHASES_APART_MAX: u32 = 64;
 

@@ -7,7 +7,6 @@
 
 use super::share::{Entry, Share};
 use super::{Shard, Shards};
-use crate::tolerance::TOUCH_ROOM;
 use std::cmp::Ordering;
 
 /// A copy that did not go its ball's way.
@@ -55,7 +54,7 @@ impl Shards {
         let room = self.room();
         self.worn = room < self.halo / 4.0;
         let lost = self.list.iter().any(|shard| share(shard).lost);
-        room > TOUCH_ROOM && !lost && self.copies_agree()
+        room > 0.0 && !lost && self.copies_agree()
     }
 
     /// The least distance between what a shard has or owns and what is kept from it, along the axis, m.
@@ -135,7 +134,7 @@ fn parted_apart(owner: &Share, course: Course<'_>, copy: &Share, of_copy: Course
             Ordering::Less => entry.span.below(&copy.owned),
             _ => copy.owned.below(&entry.span),
         };
-        room > TOUCH_ROOM
+        room > 0.0
     };
     unread && known.into_iter().chain(course.iter().skip(common)).all(away)
 }

@@ -8,7 +8,7 @@ use crate::detect::broad_phase::Bounds;
 use crate::diagnostics::Report;
 use crate::schedule::event::{Next, What};
 use crate::schedule::time::Time;
-use crate::tolerance::{HITS_KEPT, TOUCH_ROOM};
+use crate::tolerance::HITS_KEPT;
 use std::ops::Range;
 
 /// What a ball is to a shard.
@@ -296,9 +296,7 @@ impl Controller {
     pub(in super::super) fn reads_neighbours(&mut self, ball: usize) {
         if let Some(mut share) = self.share.take_if(|share| share.role[ball] >= Role::Shared) {
             share.read(ball);
-            let [x0, y0, x1, y1] = *self.broad_phase.bounds_of(ball);
-            let bounds = [x0 - TOUCH_ROOM, y0 - TOUCH_ROOM, x1 + TOUCH_ROOM, y1 + TOUCH_ROOM];
-            self.broad_phase.neighbours_within(ball, &bounds, |other| share.read(other));
+            self.broad_phase.neighbours(ball, |other| share.read(other));
             self.share = Some(share);
         }
     }
