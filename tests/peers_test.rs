@@ -1,6 +1,8 @@
 //! Other engines run the standard cases beside ours; see `peers` for the page they are on.
 
 mod peers;
+#[path = "peers/rows_tests.rs"]
+mod rows;
 
 use peers::contestant::ride;
 use peers::measure::judge;
