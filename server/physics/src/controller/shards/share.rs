@@ -120,7 +120,7 @@ impl Share {
             below: Span::NOWHERE,
             above: Span::NOWHERE,
             start: Time::ZERO,
-            changed: Vec::new(),
+            changed: Vec::with_capacity(balls),
             is_changed: vec![false; balls],
             before: Vec::new(),
             news: vec![false; balls],
