@@ -1,6 +1,6 @@
 //! What counts as a peer's win, on rows made up.
 
-use crate::peers::rows::{Ratios, Row, Win, ratios, wins};
+use crate::peers::rows::{Ratios, Row, Win, cheapest, most_accurate, ratios, wins};
 
 fn row(engine: &str, cost: f64, error: f64) -> Row {
     Row {
