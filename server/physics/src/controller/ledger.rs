@@ -8,8 +8,11 @@ use super::Controller;
 use crate::schedule::time::Time;
 use crate::tolerance::HITS_KEPT;
 
+/// Addends of one instant that there is room for from the start.
+const ADDENDS: usize = 256;
+
 /// What waits for its instant to end.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Ledger {
     /// The instant.
     pub(super) time: Time,
@@ -32,7 +35,16 @@ pub(super) struct Addend {
 
 impl Ledger {
     pub(super) fn new() -> Self {
-        Self { time: Time::ZERO, open: false, first_hit: 0, addends: Vec::with_capacity(1024) }
+        Self { time: Time::ZERO, open: false, first_hit: 0, addends: Vec::with_capacity(ADDENDS) }
+    }
+}
+
+/// A copy has as much room: what is rarely booked must not take memory in the middle of a run.
+impl Clone for Ledger {
+    fn clone(&self) -> Self {
+        let mut addends = Vec::with_capacity(self.addends.len().max(ADDENDS));
+        addends.extend_from_slice(&self.addends);
+        Self { time: self.time, open: self.open, first_hit: self.first_hit, addends }
     }
 }
 
