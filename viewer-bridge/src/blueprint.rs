@@ -195,7 +195,7 @@ mod tests {
         let paths: Vec<String> = chunks.iter().map(|chunk| chunk.entity_path().to_string()).collect();
         let count = |end: &str| paths.iter().filter(|path| path.ends_with(end)).count();
         assert_eq!((count("/EyeControls3D"), count("/Background"), count("/TextLogColumns")), (6, 6, 1));
-        assert_eq!(count("/VisibleTimeRanges"), 10);
+        assert_eq!(count("/VisibleTimeRanges"), 11);
         assert_eq!(
             (count("/overrides/world/net/visualizers"), count("/overrides/world/overlays/visualizers")),
             (5, 5)
