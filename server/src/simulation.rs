@@ -260,7 +260,6 @@ impl Simulation {
         out.epoch = self.epoch;
         out.tick = self.tick;
         out.time_s = self.controller.time().seconds();
-        out.energy_j = self.controller.energy();
         out.steering_work_j = self.controller.steering_work();
         out.collisions = collisions(report.collisions);
         out.state_hash = self.controller.state_hash();
@@ -269,13 +268,16 @@ impl Simulation {
         }
         out.uv.clear();
         out.orientation_xyzw.clear();
-        for ball in self.controller.balls() {
+        // A state is read once, for itself and for its energy.
+        let energies = self.controller.balls().enumerate().map(|(id, ball)| {
             out.uv.push(ball.uv.into());
             out.center_m.push(ball.center.into());
             out.velocity_m_per_s.push(ball.velocity.into());
             out.omega_rad_per_s.push(ball.omega.into());
             out.orientation_xyzw.push(ball.orientation);
-        }
+            self.controller.energy_seen(id, &ball)
+        });
+        out.energy_j = energies.sum();
     }
 
     /// What the engine counts, into the statistics.

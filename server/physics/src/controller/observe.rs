@@ -43,16 +43,23 @@ impl Controller {
     pub fn energy(&self) -> f64 {
         let of_ball = |ball: usize| {
             let at = self.holder(ball);
-            let b = &at.balls[ball];
-            let (state, center, n) = at.seen(ball);
-            let (k, w) = (b.body.inertia_factor, velocity(&state));
-            let mut spin = 0.0;
-            if b.body.rolls {
-                let sigma = angular_velocity(&n, &w, state[5], b.body.radius).dot(&n) * b.body.radius;
-                spin = 0.5 * k * sigma * sigma;
-            }
-            b.mass * (0.5 * (1.0 + k) * w.norm_squared() + spin - self.gravity.dot(&center))
+            let (state, center, normal) = at.seen(ball);
+            let velocity = velocity(&state);
+            let omega = angular_velocity(&normal, &velocity, state[5], at.balls[ball].body.radius);
+            self.energy_seen(ball, &BallState { center, normal, velocity, omega, ..BallState::default() })
         };
         (0..self.balls.len()).map(of_ball).sum()
+    }
+
+    /// A ball's part of [`Self::energy`] in a state that was read, J.
+    pub fn energy_seen(&self, ball: usize, state: &BallState) -> f64 {
+        let b = &self.holder(ball).balls[ball];
+        let k = b.body.inertia_factor;
+        let mut spin = 0.0;
+        if b.body.rolls {
+            let sigma = state.omega.dot(&state.normal) * b.body.radius;
+            spin = 0.5 * k * sigma * sigma;
+        }
+        b.mass * (0.5 * (1.0 + k) * state.velocity.norm_squared() + spin - self.gravity.dot(&state.center))
     }
 }
