@@ -123,7 +123,7 @@ pub fn hold_beside_a_bystander(
     if refused != run.refused {
         return Ok(false);
     }
-    let differs = others(&engine).iter().zip(&run.last).position(|(a, b)| bits(&a) != bits(b));
+    let differs = others(&engine).iter().zip(&run.last).position(|(a, b)| bits(a) != bits(b));
     match differs {
         Some(id) => Err(format!("beside a ball that meets nobody, ball {id} differs at the end")),
         None => Ok(true),
