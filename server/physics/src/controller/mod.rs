@@ -129,14 +129,30 @@ pub struct Controller {
     shards: Option<Box<shards::Shards>>,
 }
 
+/// Others' events that one search may find before its list grows.
+const THEIRS: usize = 1024;
+
 /// Working memory of an advance, kept so that none allocates.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 struct Work {
     scratch: Scratch,
     cluster: collide::Cluster,
     ahead: prepare::Ahead,
     /// What a search found to come next for others.
     theirs: Vec<(usize, Next)>,
+}
+
+/// A copy has as much room, empty: a run that begins as a copy must not take memory at its first hit.
+impl Clone for Work {
+    fn clone(&self) -> Self {
+        let Self { ahead, .. } = self;
+        Self {
+            scratch: Scratch::with_room(CLUSTER_MAX + 1),
+            cluster: collide::Cluster::new(),
+            ahead: ahead.clone(),
+            theirs: Vec::with_capacity(THEIRS),
+        }
+    }
 }
 
 impl Work {
@@ -146,7 +162,7 @@ impl Work {
             scratch: Scratch::with_room(CLUSTER_MAX + 1),
             cluster: collide::Cluster::new(),
             ahead: prepare::Ahead::new(balls, width),
-            theirs: Vec::with_capacity(1024),
+            theirs: Vec::with_capacity(THEIRS),
         }
     }
 }
