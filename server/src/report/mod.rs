@@ -12,7 +12,7 @@
 //! | [`numbers`] | numbers as people read them |
 //! | [`chapter`] | all that is said of one scene |
 //! | [`subject`] | a scene that is measured, and the settings it is run with |
-//! | [`reference`] | what is taken for true, how far it is, and for how long |
+//! | [`mod@reference`] | what is taken for true, how far it is, and for how long |
 //! | [`work_precision`] | error against cost |
 //! | [`horizon`] | until when an error has a meaning |
 //! | [`orders`], [`fit`] | how fast errors fall; straight lines through points |
