@@ -1,6 +1,6 @@
 //! How long the next step is: as long as the error asked for allows, and no more often refused than pays.
 //!
-//! Lengths have [`LENGTH_BITS`] significant bits, so that they are exact fractions of a second. Whether a step is kept depends
+//! Lengths have `LENGTH_BITS` significant bits, so that they are exact fractions of a second. Whether a step is kept depends
 //! on the step alone, never on those before: a run that was saved takes it again.
 
 use crate::tolerance::{GROWTH_MAX, SHRINK_MAX, STEP_MARGIN, STEP_MAX, STEP_MIN};
