@@ -197,17 +197,17 @@ pub fn named(name: &str) -> Option<(Scene, Table)> {
     Some((reference.scene(Chart::Plain), Table::read(reference.text)))
 }
 
-/// For each reference without hits on a curved floor, its name and what it measures for an accuracy: the largest error of
-/// a centre, m.
-pub fn smooth() -> impl Iterator<Item = (&'static str, impl Fn(Accuracy) -> Result<f64, SceneFault>)> {
+/// For each reference without hits its name, whether its floor is flat, and what it measures for an accuracy: the largest
+/// error of a centre, m.
+pub fn smooth() -> impl Iterator<Item = (&'static str, bool, impl Fn(Accuracy) -> Result<f64, SceneFault>)> {
     let references = [with_symmetry(), without_symmetry(), saddles_and_steep()].into_iter().flatten();
-    references.filter(|reference| reference.ground.shape != floors::INCLINE).map(|reference| {
-        let name = reference.name;
+    references.map(|reference| {
+        let (name, is_flat) = (reference.name, reference.ground.shape == floors::INCLINE);
         let error = move |accuracy| {
             let scene = Scene { accuracy, ..reference.scene(Chart::Plain) };
             Ok(reference.errors(&scene)?[0])
         };
-        (name, error)
+        (name, is_flat, error)
     })
 }
 
