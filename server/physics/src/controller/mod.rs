@@ -36,13 +36,12 @@ pub use shards::{Division, SHARDS_MAX, Shard};
 pub use succeed::Successor;
 
 use crate::detect::ball_wall::Plane;
-use crate::detect::broad_phase::BroadPhase;
+use crate::detect::broad_phase::{Bounds, BroadPhase};
 use crate::diagnostics::{Hit, Report};
 use crate::motion::arc::Arc;
 use crate::motion::body::{Body, Stepping};
 use crate::resolve::impact::Scratch;
 use crate::scene::Accuracy;
-use crate::schedule::event::Next;
 use crate::schedule::queue::Queue;
 use crate::schedule::time::Time;
 use crate::surface::bezier::BezierPatch;
@@ -104,6 +103,8 @@ pub struct Controller {
     patch: BezierPatch,
     certificate: Certificate,
     walls: Vec<Plane>,
+    /// Balls whose bounds lie in it meet no wall.
+    room: Bounds,
     /// The longer side of the floor, m.
     span: f64,
     gravity: Vector3<f64>,
@@ -129,17 +130,17 @@ pub struct Controller {
     shards: Option<Box<shards::Shards>>,
 }
 
-/// Others' events that one search may find before its list grows.
-const THEIRS: usize = 1024;
+/// Balls that one search may find before its list grows.
+const FOUND: usize = 1024;
 
 /// Working memory of an advance, kept so that none allocates.
 #[derive(Debug)]
 struct Work {
     scratch: Scratch,
-    cluster: collide::Cluster,
+    cluster: Option<Box<collide::Cluster>>,
     ahead: prepare::Ahead,
-    /// What a search found to come next for others.
-    theirs: Vec<(usize, Next)>,
+    /// Whom a search found.
+    found: Vec<predict::Encounter>,
 }
 
 /// A copy has as much room, empty: a run that begins as a copy must not take memory at its first hit.
@@ -148,9 +149,9 @@ impl Clone for Work {
         let Self { ahead, .. } = self;
         Self {
             scratch: Scratch::with_room(CLUSTER_MAX + 1),
-            cluster: collide::Cluster::new(),
+            cluster: Some(Box::new(collide::Cluster::new())),
             ahead: ahead.clone(),
-            theirs: Vec::with_capacity(THEIRS),
+            found: Vec::with_capacity(FOUND),
         }
     }
 }
@@ -160,9 +161,9 @@ impl Work {
     fn new(balls: usize, width: usize) -> Self {
         Self {
             scratch: Scratch::with_room(CLUSTER_MAX + 1),
-            cluster: collide::Cluster::new(),
+            cluster: Some(Box::new(collide::Cluster::new())),
             ahead: prepare::Ahead::new(balls, width),
-            theirs: Vec::with_capacity(THEIRS),
+            found: Vec::with_capacity(FOUND),
         }
     }
 }

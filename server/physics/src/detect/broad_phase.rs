@@ -8,6 +8,8 @@
 use crate::tolerance::{GRID_CELL_RADII, GRID_CELLS_PER_BALL, WINDOW_FLOOR_SHARE, WINDOW_TRAVEL};
 use nalgebra::Vector3;
 
+/// What a grid's reach grows by beyond what is filed: rounding, and fewer times that it grows.
+const REACH_SPARE: f64 = 1.0625;
 const NOBODY: u32 = u32::MAX;
 /// The cell of a ball whose bounds are wider than its class allows: everybody looks there.
 const WIDE: u32 = u32::MAX - 1;
@@ -28,8 +30,9 @@ struct Grid {
     /// Cells along x and y: powers of two.
     cells: [i64; 2],
     inverse_size: f64,
-    /// How far bounds reach from the middle, m.
+    /// How far bounds may reach from their middle, m, and how far those filed so far do, or a little farther.
     extent: f64,
+    reach: f64,
     first: Vec<u32>,
 }
 
@@ -38,11 +41,19 @@ struct Grid {
 pub struct BroadPhase {
     grids: Vec<Grid>,
     wide: u32,
-    class: Vec<u8>,
-    cell: Vec<u32>,
-    next: Vec<u32>,
-    previous: Vec<u32>,
-    bounds: Vec<Bounds>,
+    filed: Vec<Filed>,
+}
+
+/// A ball's bounds and its place in the list of its cell: a line of cache, and all that a search reads of a ball that is
+/// not met.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Filed {
+    bounds: Bounds,
+    next: u32,
+    previous: u32,
+    cell: u32,
+    class: u8,
 }
 
 impl BroadPhase {
@@ -72,45 +83,53 @@ impl BroadPhase {
                 grids.push(Grid::new(*count, *largest, floor));
             }
         }
-        let n = radii.len();
-        Self {
-            grids,
-            wide: NOBODY,
-            class: radii.iter().map(|r| grid_of_class[usize::from(class_of(*r))]).collect(),
-            cell: vec![NOBODY; n],
-            next: vec![NOBODY; n],
-            previous: vec![NOBODY; n],
-            bounds: vec![[0.0; 4]; n],
-        }
+        let filed = |r: &f64| {
+            let class = grid_of_class[usize::from(class_of(*r))];
+            Filed { bounds: [0.0; 4], next: NOBODY, previous: NOBODY, cell: NOBODY, class }
+        };
+        Self { grids, wide: NOBODY, filed: radii.iter().map(filed).collect() }
     }
 
     /// Files `ball` under new bounds.
     pub fn file(&mut self, ball: usize, bounds: Bounds) {
-        self.bounds[ball] = bounds;
-        let cell = self.grids[usize::from(self.class[ball])].cell_of(&bounds);
-        if self.cell[ball] == cell {
+        let lone = self.is_lone();
+        let filed = &mut self.filed[ball];
+        filed.bounds = bounds;
+        if lone {
             return;
         }
+        let cell = self.grids[usize::from(filed.class)].take_in(&bounds);
+        if filed.cell != cell {
+            self.move_to(ball, cell);
+        }
+    }
+
+    fn move_to(&mut self, ball: usize, cell: u32) {
         self.unlink(ball);
         let head = self.head(ball, cell);
         let second = std::mem::replace(head, ball as u32);
-        self.next[ball] = second;
-        self.previous[ball] = NOBODY;
+        let filed = &mut self.filed[ball];
+        (filed.next, filed.previous, filed.cell) = (second, NOBODY, cell);
         if second != NOBODY {
-            self.previous[second as usize] = ball as u32;
+            self.filed[second as usize].previous = ball as u32;
         }
-        self.cell[ball] = cell;
     }
 
     /// Takes `ball` out: nobody finds it until it is filed again.
     pub fn remove(&mut self, ball: usize) {
         self.unlink(ball);
-        self.cell[ball] = NOBODY;
+        self.filed[ball].cell = NOBODY;
     }
 
     /// Bounds that `ball` is filed under.
+    #[inline]
     pub fn bounds_of(&self, ball: usize) -> &Bounds {
-        &self.bounds[ball]
+        &self.filed[ball].bounds
+    }
+
+    /// Whether there is nobody to be found.
+    const fn is_lone(&self) -> bool {
+        self.filed.len() == 1
     }
 
     /// The first ball of a cell in the grid of `ball`.
@@ -118,47 +137,42 @@ impl BroadPhase {
         if cell == WIDE {
             return &mut self.wide;
         }
-        &mut self.grids[usize::from(self.class[ball])].first[cell as usize]
+        &mut self.grids[usize::from(self.filed[ball].class)].first[cell as usize]
     }
 
     fn unlink(&mut self, ball: usize) {
-        if self.cell[ball] == NOBODY {
+        let Filed { next, previous, cell, .. } = self.filed[ball];
+        if cell == NOBODY {
             return;
         }
-        let (next, previous) = (self.next[ball], self.previous[ball]);
         if next != NOBODY {
-            self.previous[next as usize] = previous;
+            self.filed[next as usize].previous = previous;
         }
         if previous == NOBODY {
-            *self.head(ball, self.cell[ball]) = next;
+            *self.head(ball, cell) = next;
         } else {
-            self.next[previous as usize] = next;
+            self.filed[previous as usize].next = next;
         }
     }
 
     /// Calls `visit` for every other ball whose bounds meet those of `ball`, in no particular order.
+    #[inline]
     pub fn neighbours(&self, ball: usize, mut visit: impl FnMut(usize)) {
-        if self.cell.len() == 1 {
+        if self.is_lone() {
             return;
         }
-        let mine = self.bounds[ball];
+        let mine = self.filed[ball].bounds;
         for grid in &self.grids {
             let [(i0, i1), (j0, j1)] = [0, 1].map(|axis| {
-                let low = grid.index(axis, mine[axis] - grid.extent);
-                let high = grid.index(axis, mine[axis + 2] + grid.extent);
+                let low = grid.index(axis, mine[axis] - grid.reach);
+                let high = grid.index(axis, mine[axis + 2] + grid.reach);
                 // Once around the torus is everywhere.
                 (low, high.min(low.saturating_add(grid.cells[axis] - 1)))
             });
             for j in j0..=j1 {
                 for part in grid.row(j, i0, i1) {
                     for first in part {
-                        let mut other = *first;
-                        while other != NOBODY {
-                            if other as usize != ball && meet(&mine, &self.bounds[other as usize]) {
-                                visit(other as usize);
-                            }
-                            other = self.next[other as usize];
-                        }
+                        self.visit_list(*first, ball, &mine, &mut visit);
                     }
                 }
             }
@@ -169,21 +183,33 @@ impl BroadPhase {
     }
 
     #[cold]
-    fn visit_wide(&self, ball: usize, visit: &mut dyn FnMut(usize)) {
-        let mut other = self.wide;
-        while other != NOBODY {
-            if other as usize != ball && meet(&self.bounds[ball], &self.bounds[other as usize]) {
-                visit(other as usize);
+    fn visit_wide(&self, ball: usize, mut visit: &mut dyn FnMut(usize)) {
+        self.visit_list(self.wide, ball, &self.filed[ball].bounds, &mut visit);
+    }
+
+    /// Those of a list, from `first` on, whose bounds meet those of `ball`.
+    #[inline]
+    fn visit_list(&self, first: u32, ball: usize, mine: &Bounds, visit: &mut impl FnMut(usize)) {
+        let mut other = first as usize;
+        while let Some(filed) = self.filed.get(other) {
+            if meet(mine, &filed.bounds) & (other != ball) {
+                visit(other);
             }
-            other = self.next[other as usize];
+            other = filed.next as usize;
         }
     }
 }
 
-/// Whether two bounds share a point.
+/// Whether bounds lie inside of others.
+#[inline]
+pub fn is_within(bounds: &Bounds, room: &Bounds) -> bool {
+    (room[0] < bounds[0]) & (room[1] < bounds[1]) & (bounds[2] < room[2]) & (bounds[3] < room[3])
+}
+
+/// Whether two bounds share a point. Most do not, and on which side cannot be foretold: nothing is jumped over.
 #[inline]
 fn meet(a: &Bounds, b: &Bounds) -> bool {
-    a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
+    (a[0] <= b[2]) & (b[0] <= a[2]) & (a[1] <= b[3]) & (b[1] <= a[3])
 }
 
 impl Grid {
@@ -204,16 +230,21 @@ impl Grid {
             cells: cells.map(u64::cast_signed),
             inverse_size: 1.0 / size,
             extent,
+            reach: 0.0,
             first: vec![NOBODY; (cells[0] * cells[1]) as usize],
         }
     }
 
-    /// Number of the column or row at x or y, before the plane is rolled up.
+    /// Number of the column or row at x or y, before the plane is rolled up: it never falls as x rises. Those that are
+    /// farthest off count as one.
     #[inline]
     fn index(&self, axis: usize, x: f64) -> i64 {
+        const FARTHEST: f64 = (1_i64 << 40) as f64;
+        /// Where a float has no room for fractions: its last bits count.
+        const INTEGERS: f64 = 1.5 * (1_i64 << (f64::MANTISSA_DIGITS - 1)) as f64;
         let place = (x - self.origin[axis]) * self.inverse_size;
-        let toward_zero = place as i64;
-        toward_zero - i64::from(place < toward_zero as f64)
+        let place = place.max(-FARTHEST).min(FARTHEST);
+        (place + INTEGERS).to_bits().cast_signed() - INTEGERS.to_bits().cast_signed()
     }
 
     /// Cells `i0` to `i1` of row `j`, at most once around: up to two runs.
@@ -225,11 +256,15 @@ impl Grid {
         if low <= high { [&row[low..=high], &[]] } else { [&row[low..], &row[..=high]] }
     }
 
-    fn cell_of(&self, bounds: &Bounds) -> u32 {
+    /// The cell of bounds, which searches find there from now on.
+    fn take_in(&mut self, bounds: &Bounds) -> u32 {
         let half = [0.5 * (bounds[2] - bounds[0]), 0.5 * (bounds[3] - bounds[1])];
-        // A NaN is wide too.
-        if !(half[0] <= self.extent && half[1] <= self.extent) {
-            return WIDE;
+        if !(half[0] <= self.reach && half[1] <= self.reach) {
+            // A NaN is wide too.
+            if !(half[0] <= self.extent && half[1] <= self.extent) {
+                return WIDE;
+            }
+            self.reach = (REACH_SPARE * half[0].max(half[1])).min(self.extent);
         }
         let [i, j] = [0, 1]
             .map(|axis| self.index(axis, 0.5 * (bounds[axis] + bounds[axis + 2])) & (self.cells[axis] - 1));
@@ -327,7 +362,7 @@ mod tests {
             let length = |first: &u32| {
                 let (mut length, mut ball) = (0, *first);
                 while ball != NOBODY {
-                    (length, ball) = (length + 1, phase.next[ball as usize]);
+                    (length, ball) = (length + 1, phase.filed[ball as usize].next);
                 }
                 length
             };

@@ -133,10 +133,7 @@ impl Body {
         arc.path = Path::Parabola;
         arc.length = f64::INFINITY;
         arc.scale = 1.0;
-        arc.center = [V3::zeros(); TERMS];
-        arc.center[0] = center;
-        arc.center[1] = velocity(&arc.state);
-        arc.center[2] = acceleration * 0.5;
+        arc.set_parabola([center, velocity(&arc.state), acceleration * 0.5]);
         arc.acceleration_bound = acceleration.norm();
         arc.reaction = [-self.applied.dot(&n); 3];
         if self.rolls {
@@ -159,9 +156,8 @@ impl Body {
         arc.path = Path::Held;
         arc.state = *state;
         arc.state[2..5].fill(0.0);
-        arc.center = [V3::zeros(); TERMS];
         let (center, n) = self.seat(surface, state);
-        arc.center[0] = center;
+        arc.set_parabola([center, V3::zeros(), V3::zeros()]);
         let mut turn = [V3::zeros(); TERMS];
         turn[1] = angular_velocity(&n, &V3::zeros(), state[5], self.radius);
         arc.turning.begin(turn, tolerance::TURN_LEAST);

@@ -63,7 +63,7 @@ impl Time {
         if seconds == f64::INFINITY || self.quantum == i64::MAX {
             return Self::NEVER;
         }
-        let whole = (seconds * QUANTA_PER_SECOND as f64).floor();
+        let whole = floor(seconds * QUANTA_PER_SECOND as f64);
         // Exact: the quantum is a power of two, and `whole` quanta lie within a quantum of `seconds`.
         let rest = seconds - whole * QUANTUM;
         Self { quantum: self.quantum + whole as i64, offset: self.offset + rest }.normalised()
@@ -82,6 +82,24 @@ impl Time {
         self.since(Self::ZERO)
     }
 
+    /// An integer that is not smaller for a later time: the offset is rounded down to 2^-36 s, and times from eight years
+    /// on are alike.
+    #[inline]
+    pub const fn rounded_down(self) -> u64 {
+        const QUANTUM_BITS: u32 = 34;
+        const OFFSET_BITS: u32 = 64 - QUANTUM_BITS;
+        const LAST: i64 = (1 << QUANTUM_BITS) - 1;
+        let quantum = if self.quantum < 0 {
+            0
+        } else if self.quantum > LAST {
+            LAST
+        } else {
+            self.quantum
+        };
+        let offset = self.offset * ((1_i64 << OFFSET_BITS) * QUANTA_PER_SECOND) as f64;
+        (quantum << OFFSET_BITS).cast_unsigned() | (offset as i64).cast_unsigned()
+    }
+
     fn normalised(mut self) -> Self {
         if self.offset >= QUANTUM {
             self.offset -= QUANTUM;
@@ -96,6 +114,19 @@ impl Time {
             }
         }
         self
+    }
+}
+
+/// The largest integer that is not larger; the processor at hand may have no instruction for it.
+#[inline]
+fn floor(x: f64) -> f64 {
+    /// Numbers from here on are integers.
+    const INTEGERS: f64 = (1_i64 << f64::MANTISSA_DIGITS) as f64;
+    if x.abs() < INTEGERS {
+        let toward_zero = (x as i64) as f64;
+        if x < toward_zero { toward_zero - 1.0 } else { toward_zero }
+    } else {
+        x
     }
 }
 
