@@ -66,21 +66,35 @@ impl Encounter {
         if approach.stays_clear() {
             return None;
         }
-        let mut hit = None;
         if !approach.stays_apart() {
             *searched += 1;
-            hit = ball_ball::time_of_impact((arc, theirs), (&here, &there), begin, duration, reach);
-        }
-        if let Some(t) = hit {
-            let time = begin.after(t);
-            found.hit = Some(Next { time, what: What::Ball { other: ball as u32, stamp: theirs.stamp } });
-            if comes_briskly(&here, &there, acceleration, reach, t) {
-                found.clear = Clearance::before(time.after(-ALONE_MARGIN));
-            }
+            found.look_closer((arc, theirs), (&here, &there), (begin, duration));
         } else if parts_briskly(&here, &there, acceleration, duration) {
             found.clear = Clearance::after(begin.after(ALONE_MARGIN));
         }
         Some(found)
+    }
+
+    /// Whether and when they hit.
+    #[inline(never)]
+    fn look_closer(
+        &mut self,
+        (arc, theirs): (&Arc, &Arc),
+        (here, there): (&Standing, &Standing),
+        (begin, duration): (Time, f64),
+    ) {
+        let reach = arc.radius + theirs.radius;
+        let acceleration = arc.acceleration_bound + theirs.acceleration_bound;
+        let hit = ball_ball::time_of_impact((arc, theirs), (here, there), begin, duration, reach);
+        if let Some(t) = hit {
+            let time = begin.after(t);
+            self.hit = Some(Next { time, what: What::Ball { other: self.ball as u32, stamp: theirs.stamp } });
+            if comes_briskly(here, there, acceleration, reach, t) {
+                self.clear = Clearance::before(time.after(-ALONE_MARGIN));
+            }
+        } else if parts_briskly(here, there, acceleration, duration) {
+            self.clear = Clearance::after(begin.after(ALONE_MARGIN));
+        }
     }
 }
 

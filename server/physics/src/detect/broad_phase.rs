@@ -8,6 +8,8 @@
 use crate::tolerance::{GRID_CELL_RADII, GRID_CELLS_PER_BALL, WINDOW_FLOOR_SHARE, WINDOW_TRAVEL};
 use nalgebra::Vector3;
 
+/// Most balls that a search looks at together: several times what a search in a crowd finds.
+const BATCH: usize = 64;
 /// What a grid's reach grows by beyond what is filed: rounding, and fewer times that it grows.
 const REACH_SPARE: f64 = 1.0625;
 const NOBODY: u32 = u32::MAX;
@@ -41,16 +43,16 @@ struct Grid {
 pub struct BroadPhase {
     grids: Vec<Grid>,
     wide: u32,
+    /// The next ball in the list of each one's cell.
+    next: Vec<u32>,
     filed: Vec<Filed>,
 }
 
-/// A ball's bounds and its place in the list of its cell: a line of cache, and all that a search reads of a ball that is
-/// not met.
+/// A ball's bounds and where it is filed, in a line of cache.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct Filed {
     bounds: Bounds,
-    next: u32,
     previous: u32,
     cell: u32,
     class: u8,
@@ -85,9 +87,10 @@ impl BroadPhase {
         }
         let filed = |r: &f64| {
             let class = grid_of_class[usize::from(class_of(*r))];
-            Filed { bounds: [0.0; 4], next: NOBODY, previous: NOBODY, cell: NOBODY, class }
+            Filed { bounds: [0.0; 4], previous: NOBODY, cell: NOBODY, class }
         };
-        Self { grids, wide: NOBODY, filed: radii.iter().map(filed).collect() }
+        let next = vec![NOBODY; radii.len()];
+        Self { grids, wide: NOBODY, next, filed: radii.iter().map(filed).collect() }
     }
 
     /// Files `ball` under new bounds.
@@ -108,8 +111,9 @@ impl BroadPhase {
         self.unlink(ball);
         let head = self.head(ball, cell);
         let second = std::mem::replace(head, ball as u32);
+        self.next[ball] = second;
         let filed = &mut self.filed[ball];
-        (filed.next, filed.previous, filed.cell) = (second, NOBODY, cell);
+        (filed.previous, filed.cell) = (NOBODY, cell);
         if second != NOBODY {
             self.filed[second as usize].previous = ball as u32;
         }
@@ -141,7 +145,8 @@ impl BroadPhase {
     }
 
     fn unlink(&mut self, ball: usize) {
-        let Filed { next, previous, cell, .. } = self.filed[ball];
+        let next = self.next[ball];
+        let Filed { previous, cell, .. } = self.filed[ball];
         if cell == NOBODY {
             return;
         }
@@ -151,7 +156,7 @@ impl BroadPhase {
         if previous == NOBODY {
             *self.head(ball, cell) = next;
         } else {
-            self.filed[previous as usize].next = next;
+            self.next[previous as usize] = next;
         }
     }
 
@@ -162,6 +167,7 @@ impl BroadPhase {
             return;
         }
         let mine = self.filed[ball].bounds;
+        let mut batch = Batch { balls: [NOBODY; BATCH], count: 0 };
         for grid in &self.grids {
             let [(i0, i1), (j0, j1)] = [0, 1].map(|axis| {
                 let low = grid.index(axis, mine[axis] - grid.reach);
@@ -171,32 +177,55 @@ impl BroadPhase {
             });
             for j in j0..=j1 {
                 for part in grid.row(j, i0, i1) {
-                    for first in part {
-                        self.visit_list(*first, ball, &mine, &mut visit);
+                    for some in part.chunks(BATCH / 4) {
+                        if batch.count + some.len() > BATCH / 2 {
+                            self.visit_batch(&mut batch, ball, &mine, &mut visit);
+                        }
+                        some.iter().for_each(|first| batch.add(*first));
                     }
                 }
             }
         }
-        if self.wide != NOBODY {
-            self.visit_wide(ball, &mut visit);
-        }
+        batch.add(self.wide);
+        self.visit_batch(&mut batch, ball, &mine, &mut visit);
     }
 
-    #[cold]
-    fn visit_wide(&self, ball: usize, mut visit: &mut dyn FnMut(usize)) {
-        self.visit_list(self.wide, ball, &self.filed[ball].bounds, &mut visit);
-    }
-
-    /// Those of a list, from `first` on, whose bounds meet those of `ball`.
+    /// Those of some lists whose bounds meet those of `ball`; the lists' first are in the batch. Which lists go on and which
+    /// bounds meet cannot be foretold: nothing is jumped over, and memory is asked for many of them at once.
     #[inline]
-    fn visit_list(&self, first: u32, ball: usize, mine: &Bounds, visit: &mut impl FnMut(usize)) {
-        let mut other = first as usize;
-        while let Some(filed) = self.filed.get(other) {
-            if meet(mine, &filed.bounds) & (other != ball) {
-                visit(other);
+    fn visit_batch(&self, batch: &mut Batch, ball: usize, mine: &Bounds, visit: &mut impl FnMut(usize)) {
+        while batch.count > 0 {
+            let mut followed = 0;
+            while followed < batch.count && batch.count < BATCH {
+                batch.add(self.next[batch.balls[followed] as usize]);
+                followed += 1;
             }
-            other = filed.next as usize;
+            let mut met = 0;
+            for place in 0..followed {
+                let other = batch.balls[place];
+                batch.balls[met] = other;
+                let meets = meet(mine, &self.filed[other as usize].bounds) & (other as usize != ball);
+                met += usize::from(meets);
+            }
+            batch.balls[..met].iter().for_each(|other| visit(*other as usize));
+            batch.balls.copy_within(followed..batch.count, 0);
+            batch.count -= followed;
         }
+    }
+}
+
+/// Balls that a search looks at together.
+struct Batch {
+    balls: [u32; BATCH],
+    count: usize,
+}
+
+impl Batch {
+    /// Adds a ball if there is one.
+    #[inline]
+    fn add(&mut self, ball: u32) {
+        self.balls[self.count] = ball;
+        self.count += usize::from(ball != NOBODY);
     }
 }
 
@@ -362,7 +391,7 @@ mod tests {
             let length = |first: &u32| {
                 let (mut length, mut ball) = (0, *first);
                 while ball != NOBODY {
-                    (length, ball) = (length + 1, phase.filed[ball as usize].next);
+                    (length, ball) = (length + 1, phase.next[ball as usize]);
                 }
                 length
             };

@@ -45,14 +45,18 @@ pub struct Arc {
     pub stamp: u32,
     /// What kind.
     pub path: Path,
+    /// Whether it does not end by itself: its length is infinite.
+    pub endless: bool,
     /// Centre in powers of theta; only the first three count unless the arc is curved.
     pub center: [V3; TERMS],
     /// Seconds per unit of theta; 1 unless curved.
     pub scale: f64,
-    /// How long it is valid, s; infinite for a parabola.
+    /// How long it is valid, s.
     pub length: f64,
     /// State at the start.
     pub state: State,
+    /// Floor reaction per mass at [`REACTION_AT`], m/s^2.
+    pub reaction: [f64; 3],
     /// Slope at the start (curved arcs only).
     pub slope: State,
     /// State in powers of theta (curved arcs only).
@@ -61,8 +65,6 @@ pub struct Arc {
     pub end: State,
     /// The orientation and its course.
     pub turning: Turning,
-    /// Floor reaction per mass at [`REACTION_AT`], m/s^2.
-    pub reaction: [f64; 3],
 }
 
 /// What a search reads of an arc fits in four lines, of a parabola in two.
@@ -80,6 +82,7 @@ impl Arc {
             acceleration_bound: 0.0,
             stamp: 0,
             path: Path::Held,
+            endless: false,
             length: 0.0,
             state: [0.0; ROLLING],
             slope: [0.0; ROLLING],
@@ -96,10 +99,15 @@ impl Arc {
         self.center[..3].copy_from_slice(&terms);
     }
 
+    /// Sets for how long it is valid, s.
+    pub(super) fn set_length(&mut self, length: f64) {
+        (self.length, self.endless) = (length, length == f64::INFINITY);
+    }
+
     /// When it ends.
     #[inline]
     pub fn finish(&self) -> Time {
-        self.start.after(self.length)
+        if self.endless { Time::NEVER } else { self.start.after(self.length) }
     }
 
     /// Centre `dt` seconds after the start, m.
@@ -232,7 +240,7 @@ impl Arc {
         accuracy: Accuracy,
     ) {
         self.path = Path::Curved;
-        self.length = h;
+        self.set_length(h);
         self.scale = h;
         self.slope = widen(slope);
         self.end = widen(&step.end);

@@ -35,14 +35,23 @@ struct Entry {
     ball: u32,
 }
 
-impl Entry {
-    /// Where there is no ball: it never wins.
-    const NOBODY: Self = Self { rounded: u64::MAX, ball: u32::MAX };
-}
-
+/// Who meets: where there is no ball, a time after all times.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-struct Match([Entry; FOUR]);
+struct Match {
+    rounded: [u64; FOUR],
+    balls: [u32; FOUR],
+}
+
+impl Match {
+    fn of(some: &[Entry]) -> Self {
+        let mut all = Self { rounded: [u64::MAX; FOUR], balls: [u32::MAX; FOUR] };
+        for (place, entry) in some.iter().enumerate() {
+            (all.rounded[place], all.balls[place]) = (entry.rounded, entry.ball);
+        }
+        all
+    }
+}
 
 impl Queue {
     /// A queue for `balls` balls, none of which has anything coming.
@@ -52,12 +61,7 @@ impl Queue {
         let mut entries: Vec<Entry> = (0..balls.max(1) as u32).map(|ball| Entry { rounded, ball }).collect();
         loop {
             rounds.push(matches.len());
-            let round = entries.chunks(FOUR).map(|some| {
-                let mut four = [Entry::NOBODY; FOUR];
-                four[..some.len()].copy_from_slice(some);
-                Match(four)
-            });
-            matches.extend(round);
+            matches.extend(entries.chunks(FOUR).map(Match::of));
             entries = entries.into_iter().step_by(FOUR).collect();
             if entries.len() == 1 {
                 break;
@@ -91,14 +95,15 @@ impl Queue {
         let mut place = ball;
         let mut entry = Entry { rounded: next.time.rounded_down(), ball: ball as u32 };
         for round in 0..self.rounds.len() {
-            let four = &mut self.matches[self.rounds[round] + place / FOUR].0;
-            let before = std::mem::replace(&mut four[place % FOUR], entry);
+            let all = &mut self.matches[self.rounds[round] + place / FOUR];
+            let before = all.balls[place % FOUR];
+            all.rounded[place % FOUR] = entry.rounded;
+            all.balls[place % FOUR] = entry.ball;
             // Where another won and wins again, nothing changes farther up.
-            if before.ball == entry.ball && entry.ball != ball as u32 {
+            if before == entry.ball && entry.ball != ball as u32 {
                 return;
             }
-            let four = *four;
-            entry = self.first_of(&four);
+            entry = self.winner_of(self.rounds[round] + place / FOUR);
             place /= FOUR;
         }
         self.winner = entry;
@@ -113,22 +118,27 @@ impl Queue {
 
     /// The winner of a match. Which one it is cannot be foretold, so nothing is jumped over.
     #[inline]
-    fn first_of(&self, four: &[Entry; FOUR]) -> Entry {
-        let of = |place: usize| four[place].rounded;
-        let low = usize::from(of(1) < of(0));
-        let high = 2 + usize::from(of(3) < of(2));
-        let first = if of(high) < of(low) { high } else { low };
-        let least = of(first);
-        let alike: usize = four.iter().map(|entry| usize::from(entry.rounded == least)).sum();
-        if alike > 1 { self.first_of_alike(four, least) } else { four[first] }
+    fn winner_of(&self, place: usize) -> Entry {
+        let all = &self.matches[place];
+        let low = usize::from(self.is_before(all, 1, 0));
+        let high = 2 + usize::from(self.is_before(all, 3, 2));
+        let first = if self.is_before(all, high, low) { high } else { low };
+        Entry { rounded: all.rounded[first], ball: all.balls[first] }
     }
 
-    /// The first of those of one rounded time, by everything that counts.
-    #[cold]
-    fn first_of_alike(&self, four: &[Entry; FOUR], rounded: u64) -> Entry {
-        let key = |entry: &&Entry| self.coming.get(entry.ball as usize).map(|c| c.next.key(entry.ball));
-        let alike = four.iter().filter(|entry| entry.rounded == rounded && entry.ball != u32::MAX);
-        *alike.min_by_key(key).unwrap_or(&four[0])
+    #[inline]
+    fn is_before(&self, all: &Match, a: usize, b: usize) -> bool {
+        if all.rounded[a] == all.rounded[b] {
+            return self.is_just_before(all.balls[a], all.balls[b]);
+        }
+        all.rounded[a] < all.rounded[b]
+    }
+
+    /// By everything that counts; nobody is before nobody.
+    #[inline(never)]
+    fn is_just_before(&self, a: u32, b: u32) -> bool {
+        let key = |ball: u32| self.coming.get(ball as usize).map(|coming| coming.next.key(ball));
+        key(a) < key(b)
     }
 }
 

@@ -136,6 +136,27 @@ impl PartialOrd for Time {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
+
+    // Nearly all comparisons are these; an offset has a sign only where it is not zero.
+    #[inline]
+    fn lt(&self, other: &Self) -> bool {
+        (self.quantum < other.quantum) | ((self.quantum == other.quantum) & (self.offset < other.offset))
+    }
+
+    #[inline]
+    fn le(&self, other: &Self) -> bool {
+        (self.quantum < other.quantum) | ((self.quantum == other.quantum) & (self.offset <= other.offset))
+    }
+
+    #[inline]
+    fn gt(&self, other: &Self) -> bool {
+        other < self
+    }
+
+    #[inline]
+    fn ge(&self, other: &Self) -> bool {
+        other <= self
+    }
 }
 
 impl Ord for Time {
