@@ -148,15 +148,19 @@ impl Controller {
 
     /// Both at once: the same numbers.
     fn land_pair(&self, pair: [usize; 2], time: Time) -> [Landed; 2] {
-        let at = pair.map(|ball| {
+        let at = |ball: usize| {
             let arc = &self.arcs[ball];
             (&self.balls[ball].body, arc, time.since(arc.start).max(0.0))
-        });
-        let [a, b] = together::land(&self.surface, self.accuracy, at);
-        [(pair[0], a), (pair[1], b)].map(|(ball, landing)| {
-            let Landing { state, slope, center, normal } = landing;
-            Landed { ball, state, slope, center, normal }
-        })
+        };
+        let landed = |ball, Landing { state, slope, center, normal }: &Landing| Landed {
+            ball,
+            state: *state,
+            slope: *slope,
+            center: *center,
+            normal: *normal,
+        };
+        let [a, b] = together::land(&self.surface, self.accuracy, [at(pair[0]), at(pair[1])]);
+        [landed(pair[0], &a), landed(pair[1], &b)]
     }
 
     /// Seconds by which a hit must be moved to close `gap`; None when it stands within rounding, when nothing

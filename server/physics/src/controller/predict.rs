@@ -44,7 +44,7 @@ pub(super) struct Encounter {
 impl Encounter {
     /// Of the arcs of two balls, the second `ball`, from `from` on while both look ahead; nothing if they surely stay clear
     /// of each other. `standing` is where the first is then.
-    #[inline]
+    #[inline(always)]
     fn of(
         (arc, theirs): (&Arc, &Arc),
         ball: usize,

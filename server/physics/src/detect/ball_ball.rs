@@ -29,7 +29,7 @@ pub struct Standing {
 
 impl Standing {
     /// Of `arc` at `time`.
-    #[inline]
+    #[inline(always)]
     pub fn of(arc: &Arc, time: Time) -> Self {
         let dt = time.since(arc.start);
         Self { center: arc.center_at(dt), velocity: arc.velocity_at(dt) }

@@ -175,18 +175,19 @@ impl BroadPhase {
                 // Once around the torus is everywhere.
                 (low, high.min(low.saturating_add(grid.cells[axis] - 1)))
             });
+            let columns = [i0, i1].map(|i| (i & (grid.cells[0] - 1)) as usize);
             for j in j0..=j1 {
-                for part in grid.row(j, i0, i1) {
-                    for some in part.chunks(BATCH / 4) {
+                for cells in grid.row(j, columns) {
+                    for some in cells.chunks(BATCH / 4) {
                         if batch.count + some.len() > BATCH / 2 {
                             self.visit_batch(&mut batch, ball, &mine, &mut visit);
                         }
-                        some.iter().for_each(|first| batch.add(*first));
+                        batch.add_all(some);
                     }
                 }
             }
         }
-        batch.add(self.wide);
+        batch.add_all(&[self.wide]);
         self.visit_batch(&mut batch, ball, &mine, &mut visit);
     }
 
@@ -195,11 +196,7 @@ impl BroadPhase {
     #[inline]
     fn visit_batch(&self, batch: &mut Batch, ball: usize, mine: &Bounds, visit: &mut impl FnMut(usize)) {
         while batch.count > 0 {
-            let mut followed = 0;
-            while followed < batch.count && batch.count < BATCH {
-                batch.add(self.next[batch.balls[followed] as usize]);
-                followed += 1;
-            }
+            let followed = batch.follow(&self.next);
             let mut met = 0;
             for place in 0..followed {
                 let other = batch.balls[place];
@@ -208,7 +205,9 @@ impl BroadPhase {
                 met += usize::from(meets);
             }
             batch.balls[..met].iter().for_each(|other| visit(*other as usize));
-            batch.balls.copy_within(followed..batch.count, 0);
+            if followed < batch.count {
+                batch.balls.copy_within(followed..batch.count, 0);
+            }
             batch.count -= followed;
         }
     }
@@ -221,11 +220,29 @@ struct Batch {
 }
 
 impl Batch {
-    /// Adds a ball if there is one.
+    /// Adds those that there are.
     #[inline]
-    fn add(&mut self, ball: u32) {
-        self.balls[self.count] = ball;
-        self.count += usize::from(ball != NOBODY);
+    fn add_all(&mut self, some: &[u32]) {
+        let mut count = self.count;
+        for ball in some {
+            self.balls[count] = *ball;
+            count += usize::from(*ball != NOBODY);
+        }
+        self.count = count;
+    }
+
+    /// Adds those that come `next`, as long as there is room; returns how many have been followed.
+    #[inline]
+    fn follow(&mut self, next: &[u32]) -> usize {
+        let (mut followed, mut count) = (0, self.count);
+        while followed < count && count < BATCH {
+            let ball = next[self.balls[followed] as usize];
+            self.balls[count] = ball;
+            count += usize::from(ball != NOBODY);
+            followed += 1;
+        }
+        self.count = count;
+        followed
     }
 }
 
@@ -276,12 +293,11 @@ impl Grid {
         (place + INTEGERS).to_bits().cast_signed() - INTEGERS.to_bits().cast_signed()
     }
 
-    /// Cells `i0` to `i1` of row `j`, at most once around: up to two runs.
+    /// Cells of row `j` from one column to another, around the torus if that comes before: up to two runs.
     #[inline]
-    fn row(&self, j: i64, i0: i64, i1: i64) -> [&[u32]; 2] {
+    fn row(&self, j: i64, [low, high]: [usize; 2]) -> [&[u32]; 2] {
         let from = ((j & (self.cells[1] - 1)) * self.cells[0]) as usize;
         let row = &self.first[from..from + self.cells[0] as usize];
-        let [low, high] = [i0, i1].map(|i| (i & (self.cells[0] - 1)) as usize);
         if low <= high { [&row[low..=high], &[]] } else { [&row[low..], &row[..=high]] }
     }
 

@@ -63,10 +63,10 @@ impl Time {
         if seconds == f64::INFINITY || self.quantum == i64::MAX {
             return Self::NEVER;
         }
-        let whole = floor(seconds * QUANTA_PER_SECOND as f64);
+        let (quanta, whole) = floor(seconds * QUANTA_PER_SECOND as f64);
         // Exact: the quantum is a power of two, and `whole` quanta lie within a quantum of `seconds`.
         let rest = seconds - whole * QUANTUM;
-        Self { quantum: self.quantum + whole as i64, offset: self.offset + rest }.normalised()
+        Self { quantum: self.quantum + quanta, offset: self.offset + rest }.normalised()
     }
 
     /// Seconds from `earlier` to this time.
@@ -117,17 +117,15 @@ impl Time {
     }
 }
 
-/// The largest integer that is not larger; the processor at hand may have no instruction for it.
+/// The largest integer that is not larger, twice; the processor at hand may have no instruction for it.
 #[inline]
-fn floor(x: f64) -> f64 {
-    /// Numbers from here on are integers.
-    const INTEGERS: f64 = (1_i64 << f64::MANTISSA_DIGITS) as f64;
-    if x.abs() < INTEGERS {
-        let toward_zero = (x as i64) as f64;
-        if x < toward_zero { toward_zero - 1.0 } else { toward_zero }
-    } else {
-        x
+fn floor(x: f64) -> (i64, f64) {
+    let toward_zero = x as i64;
+    if toward_zero as f64 > x {
+        let below = toward_zero.saturating_sub(1);
+        return (below, below as f64);
     }
+    (toward_zero, if toward_zero == i64::MAX { x } else { toward_zero as f64 })
 }
 
 impl Eq for Time {}
