@@ -5,6 +5,8 @@
 //! fixed distance from its cell, and a search knows which cells to visit. The grid's plane is rolled up to a torus of a
 //! few cells a ball: memory goes with the balls, cells with their radii, and neither with the size of the floor.
 
+#![expect(clippy::needless_bitwise_bool, reason = "what cannot be foretold is computed, not jumped over")]
+
 use crate::tolerance::{GRID_CELL_RADII, GRID_CELLS_PER_BALL, WINDOW_FLOOR_SHARE, WINDOW_TRAVEL};
 use nalgebra::Vector3;
 
@@ -289,8 +291,8 @@ impl Grid {
         /// Where a float has no room for fractions: its last bits count.
         const INTEGERS: f64 = 1.5 * (1_i64 << (f64::MANTISSA_DIGITS - 1)) as f64;
         let place = (x - self.origin[axis]) * self.inverse_size;
-        let place = place.max(-FARTHEST).min(FARTHEST);
-        (place + INTEGERS).to_bits().cast_signed() - INTEGERS.to_bits().cast_signed()
+        (place.clamp(-FARTHEST, FARTHEST) + INTEGERS).to_bits().cast_signed()
+            - INTEGERS.to_bits().cast_signed()
     }
 
     /// Cells of row `j` from one column to another, around the torus if that comes before: up to two runs.

@@ -130,6 +130,7 @@ fn floor(x: f64) -> (i64, f64) {
 
 impl Eq for Time {}
 
+#[allow(clippy::needless_bitwise_bool, reason = "what cannot be foretold is computed, not jumped over")]
 impl PartialOrd for Time {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
