@@ -107,6 +107,12 @@ pub const TOUCH_CURVED: f64 = 1e-13;
 /// Overlap that a scene may start with, in ulps.
 pub const OVERLAP_ULPS: f64 = 4.0;
 
+/// What the search ahead leaves between a hit and the times at which another ball might touch as well, s: hits are moved by
+/// less when they are landed on, and a smaller one would leave less than [`POLISH`] between balls.
+pub const ALONE_MARGIN: f64 = 1.0 / 1_048_576.0;
+/// Closing speed from which balls are surely apart a margin before they hit, m/s. Slower ones are looked at again.
+pub const ALONE_CLOSING: f64 = 1.0 / 64.0;
+
 /// Correction of a hit's place below which it is applied to first order, m.
 pub const POLISH: f64 = 1e-9;
 /// Farthest a hit may be moved, s; what asks for more is a graze that two readings of the path see differently.
@@ -173,4 +179,6 @@ const _: () = assert!(STEP_MIN < STEP_FIRST && STEP_FIRST <= STEP_MAX);
 const _: () = assert!(STEP_MARGIN < 1.0 && SHRINK_MAX < STEP_MARGIN && GROWTH_MAX >= 17.0 / 16.0);
 const _: () = assert!(WINDOW_MIN < WINDOW_MAX);
 const _: () = assert!(TOUCH_CURVED < POLISH);
+/// A hit may be moved by half the margin, and what is left is more than anything that counts as touching.
+const _: () = assert!(0.5 * ALONE_MARGIN * ALONE_CLOSING > 4.0 * POLISH);
 const _: () = assert!(REST_SPEED < HOP_SPEED && HOP_SPEED < HOLD_SPEED);

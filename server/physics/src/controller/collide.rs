@@ -1,6 +1,8 @@
 //! A hit: land on it exactly, gather who touches, resolve, and put whoever was moved on a new arc.
 
 use super::Controller;
+use crate::detect::ball_wall::Plane;
+use crate::detect::broad_phase::is_within;
 use crate::diagnostics::{Hit, HitPartner};
 use crate::motion::arc::Path;
 use crate::motion::law::{State, velocity};
@@ -8,7 +10,7 @@ use crate::motion::together::{self, Landing};
 use crate::resolve::impact::{Contact, Member, hop, resolve_cluster, resolve_one};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{
-    self, CLUSTER_MAX, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
+    self, ALONE_MARGIN, CLUSTER_MAX, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
     SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
 };
 use nalgebra::Vector3;
@@ -76,7 +78,7 @@ impl Controller {
         let (a, b) = (a.min(b), a.max(b));
         let reach = self.balls[a].body.radius + self.balls[b].body.radius;
         let mut t = time;
-        let mut cluster = std::mem::take(&mut self.work.cluster);
+        let mut cluster = self.work.cluster.take().unwrap_or_default();
         cluster.clear();
         for round in 0..=POLISH_ROUNDS {
             let [la, lb] = self.land_pair([a, b], t);
@@ -111,7 +113,7 @@ impl Controller {
         let plane = self.walls[wall];
         let radius = self.balls[ball].body.radius;
         let mut t = time;
-        let mut cluster = std::mem::take(&mut self.work.cluster);
+        let mut cluster = self.work.cluster.take().unwrap_or_default();
         cluster.clear();
         for round in 0..=POLISH_ROUNDS {
             let landed = self.land(ball, t);
@@ -146,15 +148,19 @@ impl Controller {
 
     /// Both at once: the same numbers.
     fn land_pair(&self, pair: [usize; 2], time: Time) -> [Landed; 2] {
-        let at = pair.map(|ball| {
+        let at = |ball: usize| {
             let arc = &self.arcs[ball];
             (&self.balls[ball].body, arc, time.since(arc.start).max(0.0))
-        });
-        let [a, b] = together::land(&self.surface, self.accuracy, at);
-        [(pair[0], a), (pair[1], b)].map(|(ball, landing)| {
-            let Landing { state, slope, center, normal } = landing;
-            Landed { ball, state, slope, center, normal }
-        })
+        };
+        let landed = |ball, Landing { state, slope, center, normal }: &Landing| Landed {
+            ball,
+            state: *state,
+            slope: *slope,
+            center: *center,
+            normal: *normal,
+        };
+        let [a, b] = together::land(&self.surface, self.accuracy, [at(pair[0]), at(pair[1])]);
+        [landed(pair[0], &a), landed(pair[1], &b)]
     }
 
     /// Seconds by which a hit must be moved to close `gap`; None when it stands within rounding, when nothing
@@ -198,14 +204,16 @@ impl Controller {
     }
 
     /// Resolves the cluster around its first contact at `time`, which was predicted for `event`.
-    fn resolve(&mut self, mut cluster: Cluster, time: Time, event: Time) {
+    fn resolve(&mut self, mut cluster: Box<Cluster>, time: Time, event: Time) {
         let now = time.max(event);
         self.now = self.now.max(now);
         let slow = cluster.contacts[0].closing(&cluster.members) <= REST_SPEED;
         if slow {
             self.report.rest_hits += 1;
         }
-        self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });
+        if !self.is_clear_of_others(&cluster, time, event) {
+            self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });
+        }
         for landed in &cluster.landed {
             self.will_change(landed.ball);
             self.reads_neighbours(landed.ball);
@@ -230,7 +238,7 @@ impl Controller {
         } else {
             self.report.clusters += 1;
             let e = |closing: f64| if closing <= REST_SPEED { 0.0 } else { elastic };
-            let Cluster { members, contacts, impulses, .. } = &mut cluster;
+            let Cluster { members, contacts, impulses, .. } = &mut *cluster;
             if !resolve_cluster(members, contacts, e, impulses, &mut self.work.scratch) {
                 self.report.fallbacks += 1;
             }
@@ -239,7 +247,27 @@ impl Controller {
         self.count_hits(&mut cluster, time, slow);
         self.relaunch_moved(&mut cluster, time, now);
         cluster.landed.iter().for_each(|landed| self.has_changed(landed.ball));
-        self.work.cluster = cluster;
+        self.work.cluster = Some(cluster);
+    }
+
+    /// Whether surely nothing touches those of the first contact but each other: the searches ahead have seen to that.
+    fn is_clear_of_others(&self, cluster: &Cluster, time: Time, event: Time) -> bool {
+        time.since(event).abs() < 0.5 * ALONE_MARGIN
+            && cluster.landed.iter().all(|landed| {
+                self.queue.alone(landed.ball).holds_at(event) && self.is_clear_of_walls(cluster, landed)
+            })
+    }
+
+    /// Whether no wall but that of the first contact touches a ball.
+    fn is_clear_of_walls(&self, cluster: &Cluster, landed: &Landed) -> bool {
+        let (c, radius) = (landed.center, self.balls[landed.ball].body.radius);
+        if is_within(&[c.x - radius, c.y - radius, c.x + radius, c.y + radius], &self.room) {
+            return true;
+        }
+        let touches = |plane: &Plane| plane.distance(&c) - radius <= self.touch(&c);
+        let hit = cluster.pairs[0].partner;
+        let mut others = self.walls.iter().enumerate().filter(|(wall, _)| hit != HitPartner::Wall(*wall));
+        !others.any(|(_, plane)| touches(plane))
     }
 
     /// Adds to the cluster every ball and wall that touches a member, and theirs, up to `most` contacts.

@@ -204,7 +204,8 @@ pub fn land(surface: &Surface, accuracy: Accuracy, balls: [(&Body, &Arc, f64); 2
     if by_lanes && alike && inside {
         return Arch::new().dispatch(LandingPair { surface, accuracy, balls });
     }
-    balls.map(|ball| land_alone(surface, accuracy, ball))
+    let [a, b] = balls;
+    [land_alone(surface, accuracy, a), land_alone(surface, accuracy, b)]
 }
 
 fn land_alone(surface: &Surface, accuracy: Accuracy, (body, arc, dt): (&Body, &Arc, f64)) -> Landing {

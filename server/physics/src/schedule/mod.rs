@@ -3,6 +3,7 @@
 //! `time` is the clock, `event` what can come next for a ball and the one total order of ties, `queue` finds
 //! the first of all.
 
+pub mod clearance;
 pub mod event;
 pub mod queue;
 pub mod time;

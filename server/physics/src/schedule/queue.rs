@@ -1,76 +1,144 @@
-//! The first of all next events: a tournament tree with one leaf a ball. It never allocates after it is made.
+//! The first of all next events: a tournament with one leaf a ball. It never allocates after it is made.
+//!
+//! Four meet in a match, which fills one line of cache, and nearly all matches are decided by rounded times that are
+//! compared as integers.
 
+use super::clearance::Clearance;
 use super::event::Next;
 use super::time::Time;
+
+/// Entries of a match.
+const FOUR: usize = 4;
 
 /// A tournament over the balls' next events.
 #[derive(Clone, Debug)]
 pub struct Queue {
-    next: Vec<Next>,
-    /// The winner of the subtree at each node, the root at 1, a ball's leaf at `leaves` + ball. Siblings lie side by
-    /// side, so that a match reads one place of memory.
-    nodes: Vec<Winner>,
-    leaves: usize,
+    coming: Vec<Coming>,
+    /// Round after round: of the balls, of the winners of their matches, and so on to one match.
+    matches: Vec<Match>,
+    /// Where each round begins.
+    rounds: Vec<usize>,
+    winner: Entry,
 }
 
-/// A ball and the time of its next event: nearly all matches are decided by time.
+/// What comes for a ball.
 #[derive(Clone, Copy, Debug)]
-struct Winner {
-    time: Time,
+struct Coming {
+    next: Next,
+    alone: Clearance,
+}
+
+/// A ball and its time, rounded down.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    rounded: u64,
     ball: u32,
+}
+
+/// Who meets: where there is no ball, a time after all times.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Match {
+    rounded: [u64; FOUR],
+    balls: [u32; FOUR],
+}
+
+impl Match {
+    fn of(some: &[Entry]) -> Self {
+        let mut all = Self { rounded: [u64::MAX; FOUR], balls: [u32::MAX; FOUR] };
+        for (place, entry) in some.iter().enumerate() {
+            (all.rounded[place], all.balls[place]) = (entry.rounded, entry.ball);
+        }
+        all
+    }
 }
 
 impl Queue {
     /// A queue for `balls` balls, none of which has anything coming.
     pub fn new(balls: usize) -> Self {
-        let leaves = balls.next_power_of_two().max(2);
-        let mut nodes = vec![Winner { time: Time::NEVER, ball: 0 }; 2 * leaves];
-        for (ball, leaf) in nodes[leaves..].iter_mut().enumerate() {
-            leaf.ball = ball as u32;
+        let (mut matches, mut rounds) = (Vec::new(), Vec::new());
+        let rounded = Time::NEVER.rounded_down();
+        let mut entries: Vec<Entry> = (0..balls.max(1) as u32).map(|ball| Entry { rounded, ball }).collect();
+        loop {
+            rounds.push(matches.len());
+            matches.extend(entries.chunks(FOUR).map(Match::of));
+            entries = entries.into_iter().step_by(FOUR).collect();
+            if entries.len() == 1 {
+                break;
+            }
         }
-        for node in (1..leaves).rev() {
-            nodes[node] = nodes[2 * node];
-        }
-        Self { next: vec![Next::NEVER; leaves], nodes, leaves }
+        let coming = vec![Coming { next: Next::NEVER, alone: Clearance::UNKNOWN }; balls.max(1)];
+        Self { coming, matches, rounds, winner: entries[0] }
     }
 
     /// What comes next for a ball.
     #[inline]
     pub fn of(&self, ball: usize) -> &Next {
-        &self.next[ball]
+        &self.coming[ball].next
+    }
+
+    /// When surely no ball touches this one on its present arc but the one of its next event.
+    #[inline]
+    pub fn alone(&self, ball: usize) -> Clearance {
+        self.coming[ball].alone
+    }
+
+    /// Sets [`Self::alone`], of which nothing is known when another event is set.
+    #[inline]
+    pub fn set_alone(&mut self, ball: usize, alone: Clearance) {
+        self.coming[ball].alone = alone;
     }
 
     /// Sets what comes next for a ball.
     pub fn set(&mut self, ball: usize, next: Next) {
-        self.next[ball] = next;
-        let mut node = self.leaves + ball;
-        self.nodes[node].time = next.time;
-        while node > 1 {
-            node >>= 1;
-            let (a, b) = (self.nodes[2 * node], self.nodes[2 * node + 1]);
-            let winner = if self.is_first(a, b) { a } else { b };
-            let before = self.nodes[node].ball;
+        self.coming[ball] = Coming { next, alone: Clearance::UNKNOWN };
+        let mut place = ball;
+        let mut entry = Entry { rounded: next.time.rounded_down(), ball: ball as u32 };
+        for round in 0..self.rounds.len() {
+            let all = &mut self.matches[self.rounds[round] + place / FOUR];
+            let before = all.balls[place % FOUR];
+            all.rounded[place % FOUR] = entry.rounded;
+            all.balls[place % FOUR] = entry.ball;
             // Where another won and wins again, nothing changes farther up.
-            if before != ball as u32 && winner.ball == before {
-                break;
+            if before == entry.ball && entry.ball != ball as u32 {
+                return;
             }
-            self.nodes[node] = winner;
+            entry = self.winner_of(self.rounds[round] + place / FOUR);
+            place /= FOUR;
         }
+        self.winner = entry;
     }
 
     /// The ball whose event is first, and the event.
     #[inline]
     pub fn first(&self) -> (usize, &Next) {
-        let ball = self.nodes[1].ball as usize;
-        (ball, &self.next[ball])
+        let ball = self.winner.ball as usize;
+        (ball, &self.coming[ball].next)
+    }
+
+    /// The winner of a match. Which one it is cannot be foretold, so nothing is jumped over.
+    #[inline]
+    fn winner_of(&self, place: usize) -> Entry {
+        let all = &self.matches[place];
+        let low = usize::from(self.is_before(all, 1, 0));
+        let high = 2 + usize::from(self.is_before(all, 3, 2));
+        let first = if self.is_before(all, high, low) { high } else { low };
+        Entry { rounded: all.rounded[first], ball: all.balls[first] }
     }
 
     #[inline]
-    fn is_first(&self, a: Winner, b: Winner) -> bool {
-        if a.time == b.time {
-            return self.next[a.ball as usize].key(a.ball) <= self.next[b.ball as usize].key(b.ball);
+    fn is_before(&self, all: &Match, a: usize, b: usize) -> bool {
+        if all.rounded[a] == all.rounded[b] {
+            return self.is_just_before(all.balls[a], all.balls[b]);
         }
-        a.time < b.time
+        all.rounded[a] < all.rounded[b]
+    }
+
+    /// By everything that counts; nobody is before nobody.
+    #[inline(never)]
+    fn is_just_before(&self, a: u32, b: u32) -> bool {
+        let key = |ball: u32| self.coming.get(ball as usize).map(|coming| coming.next.key(ball));
+        key(a) < key(b)
     }
 }
 
