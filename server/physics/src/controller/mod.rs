@@ -6,6 +6,8 @@
 //! | an advance: the first event of all, again and again | `advance` |
 //! | what a ball will meet within its window | `predict` |
 //! | next arcs, several at once | `prepare` |
+//! | landing on hits | `approach` |
+//! | hits, several at once | `foresee` |
 //! | a hit | `collide` |
 //! | a push, a held force | `steer` |
 //! | balls set anew, all or none | `reseat` |
@@ -17,8 +19,10 @@
 //! | a run in several parts at once, to the same bits | `shards` |
 
 mod advance;
+mod approach;
 pub mod checkpoint;
 mod collide;
+mod foresee;
 mod ledger;
 mod load;
 mod observe;
@@ -138,6 +142,7 @@ struct Work {
     scratch: Scratch,
     cluster: collide::Cluster,
     ahead: prepare::Ahead,
+    foresight: foresee::Foresight,
     /// What a search found to come next for others.
     theirs: Vec<(usize, Next)>,
 }
@@ -145,11 +150,12 @@ struct Work {
 /// A copy has as much room, empty: a run that begins as a copy must not take memory at its first hit.
 impl Clone for Work {
     fn clone(&self) -> Self {
-        let Self { ahead, .. } = self;
+        let Self { ahead, foresight, .. } = self;
         Self {
             scratch: Scratch::with_room(CLUSTER_MAX + 1),
             cluster: collide::Cluster::new(),
             ahead: ahead.clone(),
+            foresight: foresight.clone(),
             theirs: Vec::with_capacity(THEIRS),
         }
     }
@@ -162,6 +168,7 @@ impl Work {
             scratch: Scratch::with_room(CLUSTER_MAX + 1),
             cluster: collide::Cluster::new(),
             ahead: prepare::Ahead::new(balls, width),
+            foresight: foresee::Foresight::new(balls, width),
             theirs: Vec::with_capacity(THEIRS),
         }
     }

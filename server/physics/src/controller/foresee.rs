@@ -1,0 +1,209 @@
+//! Hits computed ahead of their time, so that the balls of several are landed and launched side by side.
+//!
+//! When a hit is due, the next few in the queue are landed with it, and the arcs that follow a hit if nobody else touches
+//! its balls are launched together too. Both follow from the arcs that the balls are on, and are the same numbers whenever
+//! they are computed. When a hit's turn comes, what was foreseen is used if its balls are still on those arcs, and what was
+//! launched if the impact left them in those very states.
+
+use super::Controller;
+use super::approach::Due;
+use super::prepare::Prepared;
+use crate::diagnostics::HitPartner;
+use crate::lanes::LANES_MAX;
+use crate::motion::arc::{Arc, Path};
+use crate::motion::law::State;
+use crate::schedule::event::{Next, What};
+use crate::schedule::time::Time;
+use nalgebra::Vector3;
+
+/// Balls below which nothing is foreseen: hits of few balls are soon overtaken by others.
+const BALLS_MIN: usize = 16;
+/// Hits kept: what one group leaves is used before the group after the next.
+const KEPT: usize = 2 * LANES_MAX;
+/// Events of the queue looked at for one group, for each ball that is landed at once: a hit is two, and windows end between.
+const LOOKED_AT: usize = 4;
+
+/// What a ball's arc follows from, beside its body and the floor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Origin {
+    start: Time,
+    state: State,
+    length: f64,
+    path: Path,
+    applied: Vector3<f64>,
+}
+
+/// A hit, landed on, and what its balls do next.
+#[derive(Clone, Debug)]
+struct Foreseen {
+    /// None in a free place, and once it was due.
+    hit: Option<Due>,
+    of: [Option<Origin>; 2],
+    next: [Prepared; 2],
+    /// How many of `next` are launched.
+    launched: usize,
+}
+
+/// The hits that are foreseen.
+#[derive(Debug)]
+pub(super) struct Foresight {
+    list: Vec<Foreseen>,
+    /// Balls computed at once.
+    width: usize,
+    /// The place of the hit that is being resolved.
+    present: usize,
+}
+
+/// A copy foresees for itself, and has as much room.
+impl Clone for Foresight {
+    fn clone(&self) -> Self {
+        Self { list: vec![Foreseen::NOTHING; self.list.len()], ..*self }
+    }
+}
+
+impl Foreseen {
+    const NOTHING: Self = Self { hit: None, of: [None; 2], next: [Prepared::NOTHING; 2], launched: 0 };
+}
+
+impl Foresight {
+    /// For so many balls, `width` of which are computed side by side.
+    pub(super) fn new(balls: usize, width: usize) -> Self {
+        let kept = if width > 2 && balls >= BALLS_MIN { KEPT } else { 0 };
+        Self { list: vec![Foreseen::NOTHING; kept], width, present: 0 }
+    }
+
+    fn find(&self, hit: &Due) -> Option<usize> {
+        self.list.iter().position(|known| known.hit.as_ref().is_some_and(|known| known.is(hit)))
+    }
+}
+
+impl Controller {
+    /// Lands on a hit that is due now.
+    pub(super) fn land_on(&mut self, mut hit: Due) -> Due {
+        if self.work.foresight.list.is_empty() || !self.is_plain(&hit, self.balls[hit.ball].body.rolls) {
+            self.work.foresight.present = usize::MAX;
+            self.approach(std::slice::from_mut(&mut hit));
+            return hit;
+        }
+        let known = self.work.foresight.find(&hit).filter(|place| self.still_holds(*place));
+        let place = known.unwrap_or_else(|| self.foresee(hit));
+        let Foresight { list, present, .. } = &mut self.work.foresight;
+        *present = place;
+        list[place].hit.take().unwrap_or(hit)
+    }
+
+    /// Puts a ball on the arc foreseen for after the present hit; false if another follows.
+    pub(super) fn goes_on_as_foreseen(&mut self, ball: usize, time: Time, state: &State) -> bool {
+        let Foresight { list, present, .. } = &self.work.foresight;
+        let Some(Foreseen { next, launched, .. }) = list.get(*present) else { return false };
+        let known = next[..*launched].iter().position(|next| next.ball == ball);
+        let Some(known) = known.filter(|known| self.follows(&next[*known], ball, time, state)) else {
+            return false;
+        };
+        let list = std::mem::take(&mut self.work.foresight.list);
+        self.put_on(&list[self.work.foresight.present].next[known]);
+        self.work.foresight.list = list;
+        true
+    }
+
+    fn origin(&self, ball: usize) -> Origin {
+        let Arc { start, state, length, path, .. } = self.arcs[ball];
+        Origin { start, state, length, path, applied: self.balls[ball].body.applied }
+    }
+
+    /// Whether a foreseen hit's balls are on the arcs that it was computed from.
+    fn still_holds(&self, place: usize) -> bool {
+        let known = &self.work.foresight.list[place];
+        known.hit.is_some_and(|hit| {
+            hit.landed().iter().zip(&known.of).all(|(landed, of)| *of == Some(self.origin(landed.ball)))
+        })
+    }
+
+    /// Lands on a hit together with the next that are due, and launches what follows; returns its place.
+    fn foresee(&mut self, hit: Due) -> usize {
+        let mut group = [hit; LANES_MAX];
+        let count = self.choose(&mut group);
+        let group = &mut group[..count];
+        self.approach(group);
+        let mut places = [0; LANES_MAX];
+        for (hit, place) in group.iter().zip(&mut places) {
+            *place = self.enter_foreseen(hit, group[0].event);
+        }
+        self.launch_ahead(&places[..count]);
+        places[0]
+    }
+
+    /// Adds to the first hit of `group` the next that are due and can be computed with it; returns how many it has.
+    fn choose(&self, group: &mut [Due; LANES_MAX]) -> usize {
+        let width = self.work.foresight.width;
+        let (mut count, mut balls) = (1, group[0].landed().len());
+        let rolls = self.balls[group[0].ball].body.rolls;
+        self.queue.foremost(LOOKED_AT * width, |ball, next| {
+            let Some(hit) = self.due(ball, next) else { return true };
+            let more = hit.landed().len();
+            if balls + more <= width
+                && self.is_plain(&hit, rolls)
+                && !group[..count].iter().any(|known| known.is(&hit))
+                && self.work.foresight.find(&hit).is_none()
+            {
+                group[count] = hit;
+                (count, balls) = (count + 1, balls + more);
+            }
+            balls < width
+        });
+        count
+    }
+
+    /// The hit that comes next for a ball.
+    fn due(&self, ball: usize, next: &Next) -> Option<Due> {
+        let partner = match next.what {
+            What::Ball { other, stamp } if self.arcs[other as usize].stamp == stamp => {
+                HitPartner::Ball(other as usize)
+            }
+            What::Wall { wall } => HitPartner::Wall(wall as usize),
+            _ => return None,
+        };
+        Some(Due::new(ball, partner, next.time))
+    }
+
+    /// Whether a hit's balls can be landed with others and launched with them.
+    fn is_plain(&self, hit: &Due, rolls: bool) -> bool {
+        hit.landed().iter().all(|landed| {
+            let (ball, arc) = (&self.balls[landed.ball], &self.arcs[landed.ball]);
+            arc.path == Path::Curved
+                && ball.body.rolls == rolls
+                && ball.drive.is_none()
+                && hit.event > arc.start
+        })
+    }
+
+    /// Keeps a landed hit in a place that is free, or whose hit did not come in time; returns the place.
+    fn enter_foreseen(&mut self, hit: &Due, now: Time) -> usize {
+        let of = [0, 1].map(|k| hit.landed().get(k).map(|landed| self.origin(landed.ball)));
+        let list = &mut self.work.foresight.list;
+        let is_free = |known: &Foreseen| known.hit.is_none_or(|known| known.is(hit) || known.event < now);
+        let latest = |list: &[Foreseen]| {
+            let event = |place: &usize| list[*place].hit.map_or(Time::ZERO, |hit| hit.event);
+            (0..list.len()).max_by_key(event).unwrap_or(0)
+        };
+        let place = list.iter().position(is_free).unwrap_or_else(|| latest(list));
+        (list[place].hit, list[place].of, list[place].launched) = (Some(*hit), of, 0);
+        place
+    }
+
+    /// Launches what follows the hits at `places`, if that is told by the balls that meet alone.
+    fn launch_ahead(&mut self, places: &[usize]) {
+        let mut list = std::mem::take(&mut self.work.foresight.list);
+        for place in places {
+            let Foreseen { hit: Some(hit), next, launched, .. } = &mut list[*place] else { continue };
+            let Some(states) = self.outcome(hit) else { continue };
+            *launched = hit.landed().len();
+            for ((landed, state), next) in hit.landed().iter().zip(&states).zip(next) {
+                self.note_start(next, landed.ball, hit.time, state);
+            }
+        }
+        let here = list.iter_mut().enumerate().filter(|(place, _)| places.contains(place));
+        self.compute(here.flat_map(|(_, foreseen)| &mut foreseen.next[..foreseen.launched]));
+        self.work.foresight.list = list;
+    }
+}
