@@ -31,6 +31,15 @@ pub(super) struct Due {
 }
 
 impl Due {
+    /// Nobody's hit.
+    pub(super) const NOBODY: Self = Self {
+        ball: usize::MAX,
+        partner: HitPartner::Wall(usize::MAX),
+        event: Time::NEVER,
+        time: Time::NEVER,
+        landed: [Landed { ball: usize::MAX, at: Landing::NOWHERE }; 2],
+    };
+
     /// A hit predicted for `event`.
     pub(super) fn new(ball: usize, partner: HitPartner, event: Time) -> Self {
         let (ball, partner) = match partner {

@@ -12,7 +12,8 @@ use crate::diagnostics::HitPartner;
 use crate::lanes::LANES_MAX;
 use crate::motion::arc::{Arc, Path};
 use crate::motion::law::State;
-use crate::schedule::event::{Next, What};
+use crate::schedule::calendar::Calendar;
+use crate::schedule::event::What;
 use crate::schedule::time::Time;
 use nalgebra::Vector3;
 
@@ -20,8 +21,6 @@ use nalgebra::Vector3;
 const BALLS_MIN: usize = 16;
 /// Hits kept: what one group leaves is used before the group after the next.
 const KEPT: usize = 2 * LANES_MAX;
-/// Events of the queue looked at for one group, for each ball that is landed at once: a hit is two, and windows end between.
-const LOOKED_AT: usize = 4;
 
 /// What a ball's arc follows from, beside its body and the floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,8 +35,7 @@ struct Origin {
 /// A hit, landed on, and what its balls do next.
 #[derive(Clone, Debug)]
 struct Foreseen {
-    /// None in a free place, and once it was due.
-    hit: Option<Due>,
+    hit: Due,
     of: [Option<Origin>; 2],
     next: [Prepared; 2],
     /// How many of `next` are launched.
@@ -48,6 +46,10 @@ struct Foreseen {
 #[derive(Debug)]
 pub(super) struct Foresight {
     list: Vec<Foreseen>,
+    /// What the hits in the list were predicted for; [`Time::NEVER`] in a free place.
+    events: Vec<Time>,
+    /// Whose hits may be next.
+    calendar: Calendar,
     /// Balls computed at once.
     width: usize,
     /// The place of the hit that is being resolved.
@@ -57,23 +59,43 @@ pub(super) struct Foresight {
 /// A copy foresees for itself, and has as much room.
 impl Clone for Foresight {
     fn clone(&self) -> Self {
-        Self { list: vec![Foreseen::NOTHING; self.list.len()], ..*self }
+        let kept = self.list.len();
+        let (list, events) = (vec![Foreseen::NOTHING; kept], vec![Time::NEVER; kept]);
+        Self { list, events, calendar: self.calendar.clone(), ..*self }
     }
 }
 
 impl Foreseen {
-    const NOTHING: Self = Self { hit: None, of: [None; 2], next: [Prepared::NOTHING; 2], launched: 0 };
+    const NOTHING: Self = Self { hit: Due::NOBODY, of: [None; 2], next: [Prepared::NOTHING; 2], launched: 0 };
 }
 
 impl Foresight {
     /// For so many balls, `width` of which are computed side by side.
     pub(super) fn new(balls: usize, width: usize) -> Self {
         let kept = if width > 2 && balls >= BALLS_MIN { KEPT } else { 0 };
-        Self { list: vec![Foreseen::NOTHING; kept], width, present: 0 }
+        let (list, events) = (vec![Foreseen::NOTHING; kept], vec![Time::NEVER; kept]);
+        let calendar = Calendar::new(if kept > 0 { balls } else { 0 });
+        Self { list, events, calendar, width, present: 0 }
+    }
+
+    /// A hit of `ball` at `time` was found.
+    pub(super) fn note(&mut self, ball: usize, time: Time) {
+        if !self.list.is_empty() {
+            self.calendar.note(ball, time);
+        }
     }
 
     fn find(&self, hit: &Due) -> Option<usize> {
-        self.list.iter().position(|known| known.hit.as_ref().is_some_and(|known| known.is(hit)))
+        let is_it = |(place, event): (usize, &Time)| *event == hit.event && self.list[place].hit.is(hit);
+        self.events.iter().enumerate().position(is_it)
+    }
+
+    /// A place that is free or whose hit did not come in time, or else that of the latest.
+    fn place_for(&self, hit: &Due, now: Time) -> usize {
+        let is_free = |event: &Time| *event == Time::NEVER || *event < now;
+        self.find(hit)
+            .or_else(|| self.events.iter().position(is_free))
+            .unwrap_or_else(|| (0..self.events.len()).max_by_key(|place| self.events[*place]).unwrap_or(0))
     }
 }
 
@@ -85,11 +107,12 @@ impl Controller {
             self.approach(std::slice::from_mut(&mut hit));
             return hit;
         }
+        self.work.foresight.calendar.count(hit.event);
         let known = self.work.foresight.find(&hit).filter(|place| self.still_holds(*place));
         let place = known.unwrap_or_else(|| self.foresee(hit));
-        let Foresight { list, present, .. } = &mut self.work.foresight;
-        *present = place;
-        list[place].hit.take().unwrap_or(hit)
+        let Foresight { list, events, present, .. } = &mut self.work.foresight;
+        (*present, events[place]) = (place, Time::NEVER);
+        list[place].hit
     }
 
     /// Puts a ball on the arc foreseen for after the present hit; false if another follows.
@@ -114,9 +137,7 @@ impl Controller {
     /// Whether a foreseen hit's balls are on the arcs that it was computed from.
     fn still_holds(&self, place: usize) -> bool {
         let known = &self.work.foresight.list[place];
-        known.hit.is_some_and(|hit| {
-            hit.landed().iter().zip(&known.of).all(|(landed, of)| *of == Some(self.origin(landed.ball)))
-        })
+        known.hit.landed().iter().zip(&known.of).all(|(landed, of)| *of == Some(self.origin(landed.ball)))
     }
 
     /// Lands on a hit together with the next that are due, and launches what follows; returns its place.
@@ -127,7 +148,7 @@ impl Controller {
         self.approach(group);
         let mut places = [0; LANES_MAX];
         for (hit, place) in group.iter().zip(&mut places) {
-            *place = self.enter_foreseen(hit, group[0].event);
+            *place = self.keep(hit, group[0].event);
         }
         self.launch_ahead(&places[..count]);
         places[0]
@@ -138,8 +159,8 @@ impl Controller {
         let width = self.work.foresight.width;
         let (mut count, mut balls) = (1, group[0].landed().len());
         let rolls = self.balls[group[0].ball].body.rolls;
-        self.queue.foremost(LOOKED_AT * width, |ball, next| {
-            let Some(hit) = self.due(ball, next) else { return true };
+        self.work.foresight.calendar.ahead(group[0].event, |ball| {
+            let Some(hit) = self.due(ball) else { return true };
             let more = hit.landed().len();
             if balls + more <= width
                 && self.is_plain(&hit, rolls)
@@ -154,14 +175,19 @@ impl Controller {
         count
     }
 
-    /// The hit that comes next for a ball.
-    fn due(&self, ball: usize, next: &Next) -> Option<Due> {
+    /// The hit that comes next for a ball, and for the other if it is with one.
+    fn due(&self, ball: usize) -> Option<Due> {
+        let next = self.queue.of(ball);
         let partner = match next.what {
-            What::Ball { other, stamp } if self.arcs[other as usize].stamp == stamp => {
-                HitPartner::Ball(other as usize)
+            What::Ball { other, stamp } => {
+                let other = other as usize;
+                if self.arcs[other].stamp != stamp || self.queue.of(other).time != next.time {
+                    return None;
+                }
+                HitPartner::Ball(other)
             }
             What::Wall { wall } => HitPartner::Wall(wall as usize),
-            _ => return None,
+            What::Renew => return None,
         };
         Some(Due::new(ball, partner, next.time))
     }
@@ -177,17 +203,13 @@ impl Controller {
         })
     }
 
-    /// Keeps a landed hit in a place that is free, or whose hit did not come in time; returns the place.
-    fn enter_foreseen(&mut self, hit: &Due, now: Time) -> usize {
+    /// Keeps a landed hit; returns its place.
+    fn keep(&mut self, hit: &Due, now: Time) -> usize {
         let of = [0, 1].map(|k| hit.landed().get(k).map(|landed| self.origin(landed.ball)));
-        let list = &mut self.work.foresight.list;
-        let is_free = |known: &Foreseen| known.hit.is_none_or(|known| known.is(hit) || known.event < now);
-        let latest = |list: &[Foreseen]| {
-            let event = |place: &usize| list[*place].hit.map_or(Time::ZERO, |hit| hit.event);
-            (0..list.len()).max_by_key(event).unwrap_or(0)
-        };
-        let place = list.iter().position(is_free).unwrap_or_else(|| latest(list));
-        (list[place].hit, list[place].of, list[place].launched) = (Some(*hit), of, 0);
+        let place = self.work.foresight.place_for(hit, now);
+        let Foresight { list, events, .. } = &mut self.work.foresight;
+        events[place] = hit.event;
+        (list[place].hit, list[place].of, list[place].launched) = (*hit, of, 0);
         place
     }
 
@@ -195,7 +217,7 @@ impl Controller {
     fn launch_ahead(&mut self, places: &[usize]) {
         let mut list = std::mem::take(&mut self.work.foresight.list);
         for place in places {
-            let Foreseen { hit: Some(hit), next, launched, .. } = &mut list[*place] else { continue };
+            let Foreseen { hit, next, launched, .. } = &mut list[*place];
             let Some(states) = self.outcome(hit) else { continue };
             *launched = hit.landed().len();
             for ((landed, state), next) in hit.landed().iter().zip(&states).zip(next) {

@@ -76,9 +76,12 @@ impl Ahead {
 }
 
 impl Controller {
-    /// Lines up a ball whose present arc ends within its window with nothing met before.
+    /// Lines up a ball whose present arc ends within its window with nothing met before, and notes a hit.
     pub(super) fn line_up(&mut self, ball: usize) {
-        if !self.work.ahead.is_idle() && self.ends_by_itself(ball) {
+        let next = self.queue.of(ball);
+        if next.what != What::Renew {
+            self.work.foresight.note(ball, next.time);
+        } else if !self.work.ahead.is_idle() && self.ends_by_itself(ball) {
             let line = &mut self.work.ahead.line;
             if line.len() == line.capacity() {
                 line.pop_front();

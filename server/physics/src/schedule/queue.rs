@@ -3,9 +3,6 @@
 use super::event::Next;
 use super::time::Time;
 
-/// Most balls visited at once by [`Queue::foremost`].
-pub const FOREMOST_MAX: usize = 32;
-
 /// A tournament over the balls' next events.
 #[derive(Clone, Debug)]
 pub struct Queue {
@@ -68,44 +65,6 @@ impl Queue {
         (ball, &self.next[ball])
     }
 
-    /// Visits balls in the order of their events' times, those of one time in any order: `most` of them, at most
-    /// [`FOREMOST_MAX`], or until `visit` has had enough.
-    pub fn foremost(&self, most: usize, mut visit: impl FnMut(usize, &Next) -> bool) {
-        let most = most.min(FOREMOST_MAX);
-        // Subtrees not yet visited in order of their winners, no more than can have their turn.
-        let mut subtrees = [(Time::NEVER, 0_usize); FOREMOST_MAX + 1];
-        subtrees[0] = (self.nodes[1].time, 1);
-        let mut end = 1;
-        for turn in 0..most.min(self.leaves) {
-            if turn == end || subtrees[turn].0 == Time::NEVER {
-                return;
-            }
-            let root = subtrees[turn].1;
-            let ball = self.nodes[root].ball as usize;
-            if !visit(ball, &self.next[ball]) {
-                return;
-            }
-            let mut node = self.leaves + ball;
-            while node > root {
-                let sibling = (self.nodes[node ^ 1].time, node ^ 1);
-                node >>= 1;
-                if end == most {
-                    if sibling.0 >= subtrees[end - 1].0 {
-                        continue;
-                    }
-                    end -= 1;
-                }
-                let mut place = end;
-                while place > turn + 1 && subtrees[place - 1].0 > sibling.0 {
-                    subtrees[place] = subtrees[place - 1];
-                    place -= 1;
-                }
-                subtrees[place] = sibling;
-                end += 1;
-            }
-        }
-    }
-
     #[inline]
     fn is_first(&self, a: Winner, b: Winner) -> bool {
         if a.time == b.time {
@@ -141,30 +100,6 @@ mod tests {
             queue.set(ball, plain[ball]);
             let want = (0..n).min_by_key(|i| (plain[*i].key(*i as u32), *i)).expect("balls");
             assert_eq!(queue.first().1.key(queue.first().0 as u32), plain[want].key(want as u32));
-        }
-    }
-
-    #[test]
-    fn the_foremost_are_the_first_of_a_sorted_list() {
-        let n = 50;
-        let mut queue = Queue::new(n);
-        let mut seed = 7_u64;
-        for _ in 0..500 {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let (ball, most) = ((seed >> 33) as usize % n, (seed >> 50) as usize % (FOREMOST_MAX + 2));
-            let time = Time::of_seconds(((seed >> 20) % 40) as f64);
-            queue.set(ball, Next { time, what: What::Renew });
-            let mut visited: Vec<(usize, Time)> = vec![];
-            queue.foremost(most, |ball, next| {
-                assert!(visited.iter().all(|(known, _)| *known != ball), "twice");
-                visited.push((ball, next.time));
-                true
-            });
-            let mut want: Vec<Time> =
-                (0..n).map(|ball| queue.of(ball).time).filter(|t| *t != Time::NEVER).collect();
-            want.sort_unstable();
-            want.truncate(most.min(FOREMOST_MAX));
-            assert_eq!(visited.iter().map(|(_, time)| *time).collect::<Vec<_>>(), want);
         }
     }
 }
