@@ -262,7 +262,7 @@ impl Simulation {
         out.time_s = self.controller.time().seconds();
         out.steering_work_j = self.controller.steering_work();
         out.collisions = collisions(report.collisions);
-        out.state_hash = self.controller.state_hash();
+        out.state_hash = self.state_hash();
         for list in [&mut out.center_m, &mut out.velocity_m_per_s, &mut out.omega_rad_per_s] {
             list.clear();
         }
@@ -295,9 +295,9 @@ impl Simulation {
         out.steps = report.steps;
     }
 
-    /// Hash of everything that influences the future; what holds a force and until when follows from the commands.
+    /// Hash of everything that influences the future: the engine's, and which forces are held until when.
     pub fn state_hash(&self) -> u64 {
-        self.controller.state_hash()
+        self.controller.state_hash_with(self.held.iter().flat_map(|(ball, until)| [*ball as u64, *until]))
     }
 
     /// A ball at the present time, by id.
@@ -477,6 +477,16 @@ mod tests {
         // Letting go at tick 30 is what happens anyway; earlier makes a difference.
         assert_eq!(hash_after(None), hash_after(Some(30)));
         assert_ne!(hash_after(None), hash_after(Some(10)));
+    }
+
+    #[test]
+    fn the_hash_sees_how_long_a_force_is_held() {
+        let mut simulation = original();
+        simulation.steer(None, UP, SteerMode::Force).unwrap();
+        (0..10).for_each(|_| simulation.advance());
+        let (before, ball) = (simulation.state_hash(), simulation.steered(None).unwrap());
+        *simulation.held.get_mut(&ball).unwrap() += 1;
+        assert_ne!(simulation.state_hash(), before);
     }
 
     #[test]

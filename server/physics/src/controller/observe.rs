@@ -1,7 +1,9 @@
 //! What a tick shows: states, energy. Read off the arcs when somebody asks; looking changes nothing.
 
-use super::{BallState, Controller};
+use super::{Ball, BallState, Controller};
+use crate::lanes::LANES_MAX;
 use crate::motion::law::{State, angular_velocity, velocity};
+use crate::motion::look::{self, Look, Sight};
 use crate::motion::rotation;
 use nalgebra::{Vector2, Vector3};
 
@@ -10,25 +12,31 @@ type V3 = Vector3<f64>;
 impl Controller {
     /// A ball at the controller's time, by id: about 0.3 us on a curved floor, most of it for the orientation.
     pub fn ball(&self, ball: usize) -> BallState {
-        let at = self.holder(ball);
-        let b = &at.balls[ball];
-        let (state, center, normal) = at.seen(ball);
-        let [u, v] = self.surface.uv([state[0], state[1]]);
-        let w = velocity(&state);
-        let (omega, orientation) = if b.body.rolls {
-            let arc = &at.arcs[ball];
-            let dt = at.time.since(arc.start).max(0.0);
-            (angular_velocity(&normal, &w, state[5], b.body.radius), arc.orientation_at(dt))
-        } else {
-            let angle = b.free_omega * self.time.seconds();
-            (b.free_omega, rotation::of_rotation_vector(angle))
-        };
-        BallState { uv: Vector2::new(u, v), center, normal, velocity: w, omega, orientation }
+        let (b, sight) = self.sight(ball);
+        self.shown(b, &Look::at(&self.surface, sight))
     }
 
-    /// The balls at the controller's time, by id, each computed as it is asked for.
-    pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState> + Clone + '_ {
-        (0..self.balls.len()).map(|ball| self.ball(ball))
+    /// The balls at the controller's time, by id, some computed at once as they are asked for.
+    pub fn balls(&self) -> Balls<'_> {
+        Balls { controller: self, next: 0, seen: [BallState::default(); LANES_MAX] }
+    }
+
+    /// A ball and its place on its arc at the controller's time.
+    fn sight(&self, ball: usize) -> (&Ball, Sight<'_>) {
+        let at = self.holder(ball);
+        let (b, arc) = (&at.balls[ball], &at.arcs[ball]);
+        (b, Sight { body: &b.body, arc, dt: at.time.since(arc.start).max(0.0) })
+    }
+
+    /// What is seen of a ball, as it is shown.
+    fn shown(&self, b: &Ball, look: &Look) -> BallState {
+        let Look { state, center, normal, mut omega, mut orientation } = *look;
+        if !b.body.rolls {
+            omega = b.free_omega;
+            orientation = rotation::of_rotation_vector(b.free_omega * self.time.seconds());
+        }
+        let [u, v] = self.surface.uv([state[0], state[1]]);
+        BallState { uv: Vector2::new(u, v), center, normal, velocity: velocity(&state), omega, orientation }
     }
 
     /// State, centre and normal at the controller's time.
@@ -63,3 +71,50 @@ impl Controller {
         b.mass * (0.5 * (1.0 + k) * state.velocity.norm_squared() + spin - self.gravity.dot(&state.center))
     }
 }
+
+/// The balls of a run at its time, by id; see [`Controller::balls`].
+#[derive(Clone, Debug)]
+pub struct Balls<'a> {
+    controller: &'a Controller,
+    next: usize,
+    /// Those of the present group, each in the place of its id modulo the group's size.
+    seen: [BallState; LANES_MAX],
+}
+
+impl Balls<'_> {
+    /// Computes the states of the group that begins with the next ball.
+    fn look(&mut self) {
+        let controller = self.controller;
+        let count = self.len().min(LANES_MAX);
+        let balls: [_; LANES_MAX] =
+            std::array::from_fn(|place| controller.sight(self.next + place.min(count - 1)));
+        let mut looks = [Look::NONE; LANES_MAX];
+        look::look(&controller.surface, &balls.map(|(_, sight)| sight)[..count], &mut looks[..count]);
+        for ((seen, (ball, _)), look) in self.seen.iter_mut().zip(balls).zip(&looks).take(count) {
+            *seen = controller.shown(ball, look);
+        }
+    }
+}
+
+impl Iterator for Balls<'_> {
+    type Item = BallState;
+
+    fn next(&mut self) -> Option<BallState> {
+        if self.len() == 0 {
+            return None;
+        }
+        let place = self.next % LANES_MAX;
+        if place == 0 {
+            self.look();
+        }
+        self.next += 1;
+        Some(self.seen[place])
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = self.controller.balls.len() - self.next;
+        (left, Some(left))
+    }
+}
+
+impl ExactSizeIterator for Balls<'_> {}

@@ -45,6 +45,20 @@ fn tick(engine: &mut Controller, tick: u64) {
     engine.advance_to(Time::of_tick(tick + 1, RATE_HZ));
 }
 
+#[test]
+fn a_look_at_all_balls_is_a_look_at_each() {
+    for (name, scene) in scenes() {
+        let mut engine = load(&scene);
+        for at in 0..40 {
+            // At the first all arcs begin, later at no two balls the same.
+            engine.advance_to(Time::of_tick(at, 17));
+            for (ball, state) in engine.balls().enumerate() {
+                assert_eq!(bits(&state), bits(&engine.ball(ball)), "{name}, ball {ball} at {at}");
+            }
+        }
+    }
+}
+
 /// Every bit that is shown or counted.
 fn shown(engine: &Controller) -> (Vec<u64>, u64, [u64; 2], String) {
     let numbers = [engine.energy().to_bits(), engine.steering_work().to_bits()];
@@ -215,4 +229,36 @@ fn the_hash_sees_a_single_bit_of_a_single_ball() {
     let (one, other) = (hash(false), hash(true));
     assert_ne!(one.0, other.0);
     assert_eq!(one.1, other.1);
+}
+
+/// A change of a scene, by name.
+type Change = (&'static str, fn(&mut Scene));
+
+#[test]
+fn the_hash_sees_every_law_and_what_every_ball_is_made_as() {
+    let changes: [Change; 9] = [
+        ("mass", |scene| scene.balls[17].mass *= 2.0),
+        ("radius", |scene| scene.balls[17].radius *= 0.999),
+        ("inertia factor", |scene| scene.balls[17].inertia_factor *= 0.5),
+        ("spin", |scene| scene.balls[17].spin += 1.0),
+        ("restitution", |scene| scene.restitution = 0.5),
+        ("gravity", |scene| scene.gravity.z *= 1.5),
+        ("a wall", |scene| scene.walls[0].point.x += 1e-9),
+        ("accuracy", |scene| scene.accuracy = Accuracy::Tolerance(1e-10)),
+        ("hit budget", |scene| scene.hit_budget += 1),
+    ];
+    let scenes = scenes();
+    for (name, scene) in &scenes[1..3] {
+        let plain = load(scene);
+        for (what, change) in changes {
+            // Without friction nothing turns a ball: how hard that is does not matter.
+            if what == "inertia factor" && scene.motion == MotionLaw::Frictionless {
+                continue;
+            }
+            let mut scene = scene.clone();
+            change(&mut scene);
+            let changed = load(&scene);
+            assert_ne!(changed.state_hash(), plain.state_hash(), "{name}: {what}");
+        }
+    }
 }
