@@ -75,6 +75,7 @@ impl Controller {
         cluster.contacts.push(contact);
         cluster.pairs.push(Pair { ball: hit.ball, partner: hit.partner });
         self.resolve(cluster, hit.time, hit.event);
+        self.close_foreseen();
     }
 
     fn land(&self, ball: usize, time: Time) -> Landed {

@@ -12,6 +12,7 @@ use crate::diagnostics::HitPartner;
 use crate::lanes::LANES_MAX;
 use crate::motion::arc::{Arc, Path};
 use crate::motion::law::State;
+use crate::motion::rotation::orientations;
 use crate::schedule::calendar::Calendar;
 use crate::schedule::event::What;
 use crate::schedule::time::Time;
@@ -19,8 +20,8 @@ use nalgebra::Vector3;
 
 /// Balls below which nothing is foreseen: hits of few balls are soon overtaken by others.
 const BALLS_MIN: usize = 16;
-/// Hits kept: what one group leaves is used before the group after the next.
-const KEPT: usize = 2 * LANES_MAX;
+/// Hits kept: more than are due on the days that a group is taken from.
+const KEPT: usize = 4 * LANES_MAX;
 
 /// What a ball's arc follows from, beside its body and the floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +31,7 @@ struct Origin {
     length: f64,
     path: Path,
     applied: Vector3<f64>,
+    orientation: [f64; 4],
 }
 
 /// A hit, landed on, and what its balls do next.
@@ -37,6 +39,8 @@ struct Origin {
 struct Foreseen {
     hit: Due,
     of: [Option<Origin>; 2],
+    /// Of the balls at the impact.
+    orientation: [[f64; 4]; 2],
     next: [Prepared; 2],
     /// How many of `next` are launched.
     launched: usize,
@@ -48,6 +52,10 @@ pub(super) struct Foresight {
     list: Vec<Foreseen>,
     /// What the hits in the list were predicted for; [`Time::NEVER`] in a free place.
     events: Vec<Time>,
+    /// Free places.
+    free: Vec<u8>,
+    /// For each ball the place where a hit of which it is the first was last put.
+    place_of: Vec<u8>,
     /// Whose hits may be next.
     calendar: Calendar,
     /// Balls computed at once.
@@ -59,23 +67,43 @@ pub(super) struct Foresight {
 /// A copy foresees for itself, and has as much room.
 impl Clone for Foresight {
     fn clone(&self) -> Self {
-        let kept = self.list.len();
-        let (list, events) = (vec![Foreseen::NOTHING; kept], vec![Time::NEVER; kept]);
-        Self { list, events, calendar: self.calendar.clone(), ..*self }
+        Self {
+            calendar: self.calendar.clone(),
+            ..Self::with_room(self.list.len(), self.place_of.len(), self.width)
+        }
     }
 }
 
 impl Foreseen {
-    const NOTHING: Self = Self { hit: Due::NOBODY, of: [None; 2], next: [Prepared::NOTHING; 2], launched: 0 };
+    const NOTHING: Self = Self {
+        hit: Due::NOBODY,
+        of: [None; 2],
+        orientation: [[0.0; 4]; 2],
+        next: [Prepared::NOTHING; 2],
+        launched: 0,
+    };
 }
 
 impl Foresight {
     /// For so many balls, `width` of which are computed side by side.
     pub(super) fn new(balls: usize, width: usize) -> Self {
-        let kept = if width > 2 && balls >= BALLS_MIN { KEPT } else { 0 };
-        let (list, events) = (vec![Foreseen::NOTHING; kept], vec![Time::NEVER; kept]);
-        let calendar = Calendar::new(if kept > 0 { balls } else { 0 });
-        Self { list, events, calendar, width, present: 0 }
+        if width > 2 && balls >= BALLS_MIN {
+            Self::with_room(KEPT, balls, width)
+        } else {
+            Self::with_room(0, 0, width)
+        }
+    }
+
+    fn with_room(kept: usize, balls: usize, width: usize) -> Self {
+        Self {
+            list: vec![Foreseen::NOTHING; kept],
+            events: vec![Time::NEVER; kept],
+            free: (0..kept as u8).collect(),
+            place_of: vec![u8::MAX; balls],
+            calendar: Calendar::new(balls),
+            width,
+            present: usize::MAX,
+        }
     }
 
     /// A hit of `ball` at `time` was found.
@@ -86,18 +114,40 @@ impl Foresight {
     }
 
     fn find(&self, hit: &Due) -> Option<usize> {
-        let is_it = |(place, event): (usize, &Time)| *event == hit.event && self.list[place].hit.is(hit);
-        self.events.iter().enumerate().position(is_it)
+        let place = usize::from(self.place_of[hit.ball]);
+        let event = self.events.get(place)?;
+        (*event == hit.event && self.list[place].hit.is(hit)).then_some(place)
     }
 
-    /// A place that is free or whose hit did not come in time, or else that of the latest.
-    fn place_for(&self, hit: &Due, now: Time) -> usize {
-        let is_free = |event: &Time| *event == Time::NEVER || *event < now;
-        self.find(hit)
-            .or_else(|| self.events.iter().position(is_free))
-            .unwrap_or_else(|| (0..self.events.len()).max_by_key(|place| self.events[*place]).unwrap_or(0))
+    fn release(&mut self, place: usize) {
+        self.events[place] = Time::NEVER;
+        self.free.push(place as u8);
+    }
+
+    /// Forgets hits that did not come in time, if there is need.
+    fn make_room(&mut self, now: Time) {
+        if self.free.len() < self.width {
+            for place in 0..self.events.len() {
+                if self.events[place] < now {
+                    self.release(place);
+                }
+            }
+        }
+    }
+
+    /// The place of a hit that was kept before, or one that is free, or else that of the latest hit.
+    fn place_for(&mut self, hit: &Due) -> usize {
+        let place = self
+            .find(hit)
+            .or_else(|| self.free.pop().map(usize::from))
+            .unwrap_or_else(|| (0..self.events.len()).max_by_key(|place| self.events[*place]).unwrap_or(0));
+        (self.events[place], self.place_of[hit.ball]) = (hit.event, place as u8);
+        place
     }
 }
+
+/// A place is told by a byte, and one value is nobody's.
+const _: () = assert!(KEPT < u8::MAX as usize);
 
 impl Controller {
     /// Lands on a hit that is due now.
@@ -110,9 +160,22 @@ impl Controller {
         self.work.foresight.calendar.count(hit.event);
         let known = self.work.foresight.find(&hit).filter(|place| self.still_holds(*place));
         let place = known.unwrap_or_else(|| self.foresee(hit));
-        let Foresight { list, events, present, .. } = &mut self.work.foresight;
-        (*present, events[place]) = (place, Time::NEVER);
-        list[place].hit
+        self.work.foresight.release(place);
+        self.work.foresight.present = place;
+        self.work.foresight.list[place].hit
+    }
+
+    /// The hit is resolved.
+    pub(super) const fn close_foreseen(&mut self) {
+        self.work.foresight.present = usize::MAX;
+    }
+
+    /// The orientation foreseen for a ball at the present hit.
+    pub(super) fn foreseen_orientation(&self, ball: usize, time: Time) -> Option<[f64; 4]> {
+        let Foresight { list, present, .. } = &self.work.foresight;
+        let Foreseen { hit, orientation, .. } = list.get(*present)?;
+        let place = hit.landed().iter().position(|landed| landed.ball == ball)?;
+        (hit.time == time).then_some(orientation[place])
     }
 
     /// Puts a ball on the arc foreseen for after the present hit; false if another follows.
@@ -130,8 +193,16 @@ impl Controller {
     }
 
     fn origin(&self, ball: usize) -> Origin {
-        let Arc { start, state, length, path, .. } = self.arcs[ball];
-        Origin { start, state, length, path, applied: self.balls[ball].body.applied }
+        let Arc { start, state, length, path, turning, .. } = &self.arcs[ball];
+        let applied = self.balls[ball].body.applied;
+        Origin {
+            start: *start,
+            state: *state,
+            length: *length,
+            path: *path,
+            applied,
+            orientation: turning.start,
+        }
     }
 
     /// Whether a foreseen hit's balls are on the arcs that it was computed from.
@@ -142,13 +213,17 @@ impl Controller {
 
     /// Lands on a hit together with the next that are due, and launches what follows; returns its place.
     fn foresee(&mut self, hit: Due) -> usize {
+        self.work.foresight.make_room(hit.event);
         let mut group = [hit; LANES_MAX];
         let count = self.choose(&mut group);
         let group = &mut group[..count];
         self.approach(group);
         let mut places = [0; LANES_MAX];
         for (hit, place) in group.iter().zip(&mut places) {
-            *place = self.keep(hit, group[0].event);
+            *place = self.keep(hit);
+        }
+        if self.balls[hit.ball].body.rolls {
+            self.turn_ahead(&places[..count]);
         }
         self.launch_ahead(&places[..count]);
         places[0]
@@ -158,11 +233,13 @@ impl Controller {
     fn choose(&self, group: &mut [Due; LANES_MAX]) -> usize {
         let width = self.work.foresight.width;
         let (mut count, mut balls) = (1, group[0].landed().len());
+        let free = self.work.foresight.free.len();
         let rolls = self.balls[group[0].ball].body.rolls;
         self.work.foresight.calendar.ahead(group[0].event, |ball| {
             let Some(hit) = self.due(ball) else { return true };
             let more = hit.landed().len();
             if balls + more <= width
+                && count < free
                 && self.is_plain(&hit, rolls)
                 && !group[..count].iter().any(|known| known.is(&hit))
                 && self.work.foresight.find(&hit).is_none()
@@ -170,7 +247,7 @@ impl Controller {
                 group[count] = hit;
                 (count, balls) = (count + 1, balls + more);
             }
-            balls < width
+            balls < width && count < free
         });
         count
     }
@@ -204,13 +281,34 @@ impl Controller {
     }
 
     /// Keeps a landed hit; returns its place.
-    fn keep(&mut self, hit: &Due, now: Time) -> usize {
+    fn keep(&mut self, hit: &Due) -> usize {
         let of = [0, 1].map(|k| hit.landed().get(k).map(|landed| self.origin(landed.ball)));
-        let place = self.work.foresight.place_for(hit, now);
-        let Foresight { list, events, .. } = &mut self.work.foresight;
-        events[place] = hit.event;
-        (list[place].hit, list[place].of, list[place].launched) = (*hit, of, 0);
+        let place = self.work.foresight.place_for(hit);
+        let known = &mut self.work.foresight.list[place];
+        (known.hit, known.of, known.launched) = (*hit, of, 0);
         place
+    }
+
+    /// Finds the orientations that balls come to the hits at `places` with.
+    fn turn_ahead(&mut self, places: &[usize]) {
+        let mut list = std::mem::take(&mut self.work.foresight.list);
+        let (mut looks, mut of) = ([None; LANES_MAX], [(0, 0); LANES_MAX]);
+        let mut count = 0;
+        for place in places {
+            let hit = &list[*place].hit;
+            for (k, landed) in hit.landed().iter().enumerate() {
+                let Arc { start, scale, turning, .. } = &self.arcs[landed.ball];
+                looks[count] = Some((turning, hit.time.since(*start) / scale));
+                of[count] = (*place, k);
+                count += 1;
+            }
+        }
+        let mut q = [[0.0; 4]; LANES_MAX];
+        orientations(&looks[..count], &mut q[..count]);
+        for ((place, k), q) in of[..count].iter().zip(q) {
+            list[*place].orientation[*k] = q;
+        }
+        self.work.foresight.list = list;
     }
 
     /// Launches what follows the hits at `places`, if that is told by the balls that meet alone.

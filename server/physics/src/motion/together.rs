@@ -1,10 +1,11 @@
 //! Several balls' steps side by side: a single right-hand side waits for its own results most of the time, and as many
 //! balls as the machine has lanes take hardly longer than one. Every bit is that of the ball alone.
 
-use super::arc::{Arc, Path, widen};
+use super::arc::{Arc, Path, StepSizes, widen};
 use super::body::{Body, Stepping, Verdict, not_finite};
 use super::dop853;
 use super::law::{Law, ROLLING, SLIDING, State};
+use super::rotation::Sizes;
 use super::step::{Step, TERMS};
 use crate::lanes::{LANES_MAX, Lanes};
 use crate::number::Triple;
@@ -129,7 +130,7 @@ fn launch_lanes<const D: usize, C: Chart, S: Simd>(
             tried[lane] = ball.stepping.try_s;
         }
         let h = Lanes::new(simd, |lane| tried[lane]);
-        let attempt = dop853::attempt(&law, &y, &first.slope.rate, h);
+        let attempt = dop853::attempt::<true, _, D, C>(&law, &y, &first.slope.rate, h);
         let errors = attempt.errors();
         let mut kept = [false; LANES_MAX];
         for (lane, ball) in balls.iter_mut().flatten().enumerate() {
@@ -142,17 +143,20 @@ fn launch_lanes<const D: usize, C: Chart, S: Simd>(
             let error = dop853::error_estimate(tried[lane], stretch, precession, errors);
             let verdict = ball.stepping.judge(tolerance, error);
             if verdict == Verdict::GivenUp {
-                ball.arc.fill::<D>(tried[lane], &[f64::NAN; D], &not_finite(), accuracy);
+                let step = not_finite();
+                ball.arc.fill::<D>(tried[lane], &[f64::NAN; D], &step, &StepSizes::of(&step), accuracy);
             }
             kept[lane] = verdict == Verdict::Kept;
             waiting[lane] = verdict == Verdict::Refused;
         }
         if kept.contains(&true) {
             let step = dop853::finish(&law, &y, &first, h, attempt);
+            let sizes = StepSizes::of(&step);
             for (lane, ball) in balls.iter_mut().flatten().enumerate() {
                 if kept[lane] {
                     let slope = numbers(&first.slope.rate, lane);
-                    ball.arc.fill(tried[lane], &slope, &step_of(&step, lane), accuracy);
+                    let sizes = sizes_of(&sizes, lane);
+                    ball.arc.fill(tried[lane], &slope, &step_of(&step, lane), &sizes, accuracy);
                 }
             }
         }
@@ -171,6 +175,14 @@ fn step_of<const D: usize, S: Simd>(step: &Step<Lanes<S>, D>, lane: usize) -> St
         out.turn[power] = Triple(numbers(&step.turn[power].0, lane));
     }
     out
+}
+
+/// One ball's sizes.
+#[inline(always)]
+fn sizes_of<S: Simd>(sizes: &StepSizes<Lanes<S>>, lane: usize) -> StepSizes<f64> {
+    let StepSizes { turn: Sizes { length, across }, bending } = sizes;
+    let turn = Sizes { length: numbers(length, lane), across: numbers(across, lane) };
+    StepSizes { turn, bending: bending.lane(lane) }
 }
 
 /// One ball's numbers.
@@ -307,7 +319,7 @@ fn land_lanes<const D: usize, C: Chart, S: Simd>(
         slope[i] = Lanes::new(simd, |lane| seats[lane].arc.slope[i]);
     }
     let h = Lanes::new(simd, |lane| seats[lane].dt);
-    let (end, slope) = dop853::attempt(&law, &y, &slope, h).landed();
+    let (end, slope) = dop853::attempt::<false, _, D, C>(&law, &y, &slope, h).landed();
     let frame = chart.frame([end[0], end[1]]);
     let normal = frame.normal();
     let center = frame.point() + normal * law.radius;

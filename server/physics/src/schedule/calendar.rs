@@ -12,11 +12,11 @@ const HITS_A_DAY: f64 = 4.0;
 /// Hits after which the length of a day is looked at.
 const HITS_LOOKED_AT: u32 = 256;
 /// Days looked at for whom is due next.
-const DAYS_AHEAD: i64 = 4;
+const DAYS_AHEAD: i64 = 3;
 /// Balls for each day: time enough for most predictions.
 const BALLS_PER_DAY: usize = 8;
-/// Most days a quantum: one lasts 15 ns.
-const DAYS_A_QUANTUM_MAX: f64 = 1_048_576.0;
+/// Fewest and most days a quantum: one lasts a second, or 15 ns.
+const DAYS_A_QUANTUM: [f64; 2] = [1.0 / 64.0, 1_048_576.0];
 
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
@@ -83,10 +83,10 @@ impl Calendar {
         (self.hits, self.looked_at) = (0, time);
         let wanted = f64::from(HITS_LOOKED_AT) / HITS_A_DAY / quanta;
         let mut days = self.days_a_quantum;
-        while days < 0.5 * wanted && days < DAYS_A_QUANTUM_MAX {
+        while days < 0.5 * wanted && days < DAYS_A_QUANTUM[1] {
             days *= 2.0;
         }
-        while days > 2.0 * wanted && days > 1.0 {
+        while days > 2.0 * wanted && days > DAYS_A_QUANTUM[0] {
             days *= 0.5;
         }
         if days != self.days_a_quantum {
@@ -98,8 +98,7 @@ impl Calendar {
     }
 
     fn day_of(&self, time: Time) -> i64 {
-        let of_quantum = (time.offset() * (self.days_a_quantum / QUANTUM)) as i64;
-        time.quantum().wrapping_mul(self.days_a_quantum as i64).wrapping_add(of_quantum)
+        ((time.quantum() as f64 + time.offset() / QUANTUM) * self.days_a_quantum) as i64
     }
 
     const fn place_of(&self, number: i64) -> usize {
