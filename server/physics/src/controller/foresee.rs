@@ -235,10 +235,11 @@ impl Controller {
         let (mut count, mut balls) = (1, group[0].landed().len());
         let free = self.work.foresight.free.len();
         let rolls = self.balls[group[0].ball].body.rolls;
-        self.work.foresight.calendar.ahead(group[0].event, |ball| {
+        self.work.foresight.calendar.ahead(|ball| {
             let Some(hit) = self.due(ball) else { return true };
             let more = hit.landed().len();
-            if balls + more <= width
+            if self.work.foresight.calendar.is_soon(hit.event)
+                && balls + more <= width
                 && count < free
                 && self.is_plain(&hit, rolls)
                 && !group[..count].iter().any(|known| known.is(&hit))

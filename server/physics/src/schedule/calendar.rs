@@ -34,6 +34,8 @@ pub struct Calendar {
     days: Vec<Day>,
     /// A power of two.
     days_a_quantum: f64,
+    /// The day of the last hit.
+    today: i64,
     hits: u32,
     looked_at: Time,
 }
@@ -43,27 +45,35 @@ impl Calendar {
     pub fn new(balls: usize) -> Self {
         let days = (balls / BALLS_PER_DAY).next_power_of_two().max(16);
         let nobody = Day { number: -1, count: 0, balls: [0; ROOM] };
-        Self { days: vec![nobody; days], days_a_quantum: 1.0, hits: 0, looked_at: Time::ZERO }
+        Self { days: vec![nobody; days], days_a_quantum: 1.0, today: 0, hits: 0, looked_at: Time::ZERO }
     }
 
     /// A ball's hit at `time` was found.
     pub fn note(&mut self, ball: usize, time: Time) {
         let number = self.day_of(time);
+        if number >= self.today + self.days.len() as i64 {
+            return;
+        }
         let place = self.place_of(number);
         let day = &mut self.days[place];
-        if day.number < number {
+        if day.number != number {
             (day.number, day.count) = (number, 0);
         }
-        if day.number == number && (day.count as usize) < ROOM {
+        if (day.count as usize) < ROOM {
             day.balls[day.count as usize] = ball as u32;
             day.count += 1;
         }
     }
 
-    /// Visits whom a hit was found for on the day of `time` and the next, until `visit` has had enough.
-    pub fn ahead(&self, time: Time, mut visit: impl FnMut(usize) -> bool) {
-        let today = self.day_of(time);
-        for number in today..today + DAYS_AHEAD {
+    /// Whether `event` is on one of the days that [`Self::ahead`] looks at.
+    pub fn is_soon(&self, event: Time) -> bool {
+        self.day_of(event) < self.today + DAYS_AHEAD
+    }
+
+    /// Visits whom a hit was found for on the day of the last hit and the next days, until `visit` has had enough. Their
+    /// hits may be others by now.
+    pub fn ahead(&self, mut visit: impl FnMut(usize) -> bool) {
+        for number in self.today..self.today + DAYS_AHEAD {
             let day = &self.days[self.place_of(number)];
             if day.number == number
                 && !day.balls[..day.count as usize].iter().all(|ball| visit(*ball as usize))
@@ -75,6 +85,7 @@ impl Calendar {
 
     /// A hit happens at `time`: days become as long as a few of them.
     pub fn count(&mut self, time: Time) {
+        self.today = self.day_of(time);
         self.hits += 1;
         if self.hits < HITS_LOOKED_AT {
             return;
@@ -91,6 +102,7 @@ impl Calendar {
         }
         if days != self.days_a_quantum {
             self.days_a_quantum = days;
+            self.today = self.day_of(time);
             for day in &mut self.days {
                 (day.number, day.count) = (-1, 0);
             }
@@ -119,7 +131,7 @@ mod tests {
                 calendar.note(hit + 40, time(hit + 40));
                 calendar.count(time(hit));
                 let (mut soon, mut seen) = (0, 0);
-                calendar.ahead(time(hit), |ball| {
+                calendar.ahead(|ball| {
                     soon += usize::from(ball > hit && ball < hit + 20);
                     seen += 1;
                     true
