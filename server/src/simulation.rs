@@ -9,7 +9,7 @@ use crate::change::{Change, meant};
 use crate::crew::Crew;
 use crate::scene_file::{LoadedScene, SceneError};
 use crate::world::{Present, World};
-use ballroom_physics::{BallState, Controller, Drive, Hit, Seat, Time};
+use ballroom_physics::{BallState, Controller, Drive, Hit, Observer, Seat, Time};
 use nalgebra::{Vector2, Vector3};
 use protocol::command::{Direction, Refusal, Scope, SteerMode, code};
 use protocol::listing::Selection;
@@ -256,6 +256,19 @@ impl Simulation {
 
     /// Writes the present state into a buffer, which keeps its room.
     pub fn write_snapshot(&self, out: &mut Snapshot) {
+        self.begin_snapshot(out);
+        for (id, ball) in self.controller.balls().enumerate() {
+            self.add_to_snapshot(id, &ball, out);
+        }
+    }
+
+    /// The same for who does so again and again, which is quicker.
+    pub fn write_snapshot_for(&self, observer: &mut Observer, out: &mut Snapshot) {
+        self.begin_snapshot(out);
+        self.controller.observe(observer, |id, ball| self.add_to_snapshot(id, ball, out));
+    }
+
+    fn begin_snapshot(&self, out: &mut Snapshot) {
         let report = self.controller.report();
         out.epoch = self.epoch;
         out.tick = self.tick;
@@ -263,21 +276,22 @@ impl Simulation {
         out.steering_work_j = self.controller.steering_work();
         out.collisions = collisions(report.collisions);
         out.state_hash = self.state_hash();
+        out.energy_j = 0.0;
         for list in [&mut out.center_m, &mut out.velocity_m_per_s, &mut out.omega_rad_per_s] {
             list.clear();
         }
         out.uv.clear();
         out.orientation_xyzw.clear();
-        // A state is read once, for itself and for its energy.
-        let energies = self.controller.balls().enumerate().map(|(id, ball)| {
-            out.uv.push(ball.uv.into());
-            out.center_m.push(ball.center.into());
-            out.velocity_m_per_s.push(ball.velocity.into());
-            out.omega_rad_per_s.push(ball.omega.into());
-            out.orientation_xyzw.push(ball.orientation);
-            self.controller.energy_seen(id, &ball)
-        });
-        out.energy_j = energies.sum();
+    }
+
+    /// A ball's state, read once for itself and for its energy.
+    fn add_to_snapshot(&self, id: usize, ball: &BallState, out: &mut Snapshot) {
+        out.uv.push(ball.uv.into());
+        out.center_m.push(ball.center.into());
+        out.velocity_m_per_s.push(ball.velocity.into());
+        out.omega_rad_per_s.push(ball.omega.into());
+        out.orientation_xyzw.push(ball.orientation);
+        out.energy_j += self.controller.energy_seen(id, ball);
     }
 
     /// What the engine counts, into the statistics.

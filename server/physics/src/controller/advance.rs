@@ -53,12 +53,12 @@ impl Controller {
     pub(super) fn take(&mut self, ball: usize, next: &Next) {
         match next.what {
             What::Ball { other, stamp } if self.arcs[other as usize].stamp == stamp => {
-                self.collide(Due::new(ball, HitPartner::Ball(other as usize), next.time));
+                self.collide(&mut Due::new(ball, HitPartner::Ball(other as usize), next.time));
             }
             // The other ball went elsewhere: search again.
             What::Ball { .. } => self.predict(ball, next.time),
             What::Wall { wall } => {
-                self.collide(Due::new(ball, HitPartner::Wall(wall as usize), next.time));
+                self.collide(&mut Due::new(ball, HitPartner::Wall(wall as usize), next.time));
             }
             What::Renew => self.renew(ball, next.time),
         }

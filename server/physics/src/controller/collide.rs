@@ -63,14 +63,14 @@ impl Cluster {
 
 impl Controller {
     /// Resolves a hit that is due.
-    pub(super) fn collide(&mut self, hit: Due) {
-        let hit = self.land_on(hit);
+    pub(super) fn collide(&mut self, hit: &mut Due) {
+        self.land_on(hit);
         let mut cluster = std::mem::take(&mut self.work.cluster);
         cluster.clear();
         for landed in hit.landed() {
             self.enter(&mut cluster, *landed);
         }
-        let (contact, depth) = self.contact(&hit);
+        let (contact, depth) = self.contact(hit);
         self.report.deepest_penetration = self.report.deepest_penetration.max(depth);
         cluster.contacts.push(contact);
         cluster.pairs.push(Pair { ball: hit.ball, partner: hit.partner });

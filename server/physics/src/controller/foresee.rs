@@ -151,18 +151,18 @@ const _: () = assert!(KEPT < u8::MAX as usize);
 
 impl Controller {
     /// Lands on a hit that is due now.
-    pub(super) fn land_on(&mut self, mut hit: Due) -> Due {
-        if self.work.foresight.list.is_empty() || !self.is_plain(&hit, self.balls[hit.ball].body.rolls) {
+    pub(super) fn land_on(&mut self, hit: &mut Due) {
+        if self.work.foresight.list.is_empty() || !self.is_plain(hit, self.balls[hit.ball].body.rolls) {
             self.work.foresight.present = usize::MAX;
-            self.approach(std::slice::from_mut(&mut hit));
-            return hit;
+            self.approach(std::slice::from_mut(hit));
+            return;
         }
         self.work.foresight.calendar.count(hit.event);
-        let known = self.work.foresight.find(&hit).filter(|place| self.still_holds(*place));
+        let known = self.work.foresight.find(hit).filter(|place| self.still_holds(*place));
         let place = known.unwrap_or_else(|| self.foresee(hit));
         self.work.foresight.release(place);
         self.work.foresight.present = place;
-        self.work.foresight.list[place].hit
+        *hit = self.work.foresight.list[place].hit;
     }
 
     /// The hit is resolved.
@@ -212,9 +212,9 @@ impl Controller {
     }
 
     /// Lands on a hit together with the next that are due, and launches what follows; returns its place.
-    fn foresee(&mut self, hit: Due) -> usize {
+    fn foresee(&mut self, hit: &Due) -> usize {
         self.work.foresight.make_room(hit.event);
-        let mut group = [hit; LANES_MAX];
+        let mut group = [*hit; LANES_MAX];
         let count = self.choose(&mut group);
         let group = &mut group[..count];
         self.approach(group);

@@ -4,10 +4,16 @@ use super::{Ball, BallState, Controller};
 use crate::lanes::LANES_MAX;
 use crate::motion::law::{State, angular_velocity, velocity};
 use crate::motion::look::{self, Look, Sight};
-use crate::motion::rotation;
+use crate::motion::rotation::{self, Followed};
 use nalgebra::{Vector2, Vector3};
 
 type V3 = Vector3<f64>;
+
+/// What who looks at a run again and again keeps between looks. It fits any run at any time.
+#[derive(Clone, Debug, Default)]
+pub struct Observer {
+    followed: Vec<Followed>,
+}
 
 impl Controller {
     /// A ball at the controller's time, by id: about 0.3 us on a curved floor, most of it for the orientation.
@@ -16,9 +22,27 @@ impl Controller {
         self.shown(b, &Look::at(&self.surface, sight))
     }
 
-    /// The balls at the controller's time, by id, some computed at once as they are asked for.
-    pub fn balls(&self) -> Balls<'_> {
-        Balls { controller: self, next: 0, seen: [BallState::default(); LANES_MAX] }
+    /// The balls at the controller's time, by id, each computed as it is asked for.
+    pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState> + Clone + '_ {
+        (0..self.balls.len()).map(|ball| self.ball(ball))
+    }
+
+    /// Shows all balls at the controller's time, by id: the same states as [`Self::ball`], some computed at once, and
+    /// orientations on from where the same observer last saw them. A third of the time, for who looks again and again.
+    pub fn observe(&self, observer: &mut Observer, mut show: impl FnMut(usize, &BallState)) {
+        let followed = &mut observer.followed;
+        followed.resize(self.balls.len(), Followed::NONE);
+        for (group, followed) in followed.chunks_mut(LANES_MAX).enumerate() {
+            let (first, count) = (group * LANES_MAX, followed.len());
+            let sights: [_; LANES_MAX] =
+                std::array::from_fn(|place| self.sight(first + place.min(count - 1)).1);
+            let mut looks = [Look::NONE; LANES_MAX];
+            look::look(&self.surface, &sights[..count], followed, &mut looks[..count]);
+            for (place, look) in looks[..count].iter().enumerate() {
+                let ball = first + place;
+                show(ball, &self.shown(&self.holder(ball).balls[ball], look));
+            }
+        }
     }
 
     /// A ball and its place on its arc at the controller's time.
@@ -71,50 +95,3 @@ impl Controller {
         b.mass * (0.5 * (1.0 + k) * state.velocity.norm_squared() + spin - self.gravity.dot(&state.center))
     }
 }
-
-/// The balls of a run at its time, by id; see [`Controller::balls`].
-#[derive(Clone, Debug)]
-pub struct Balls<'a> {
-    controller: &'a Controller,
-    next: usize,
-    /// Those of the present group, each in the place of its id modulo the group's size.
-    seen: [BallState; LANES_MAX],
-}
-
-impl Balls<'_> {
-    /// Computes the states of the group that begins with the next ball.
-    fn look(&mut self) {
-        let controller = self.controller;
-        let count = self.len().min(LANES_MAX);
-        let balls: [_; LANES_MAX] =
-            std::array::from_fn(|place| controller.sight(self.next + place.min(count - 1)));
-        let mut looks = [Look::NONE; LANES_MAX];
-        look::look(&controller.surface, &balls.map(|(_, sight)| sight)[..count], &mut looks[..count]);
-        for ((seen, (ball, _)), look) in self.seen.iter_mut().zip(balls).zip(&looks).take(count) {
-            *seen = controller.shown(ball, look);
-        }
-    }
-}
-
-impl Iterator for Balls<'_> {
-    type Item = BallState;
-
-    fn next(&mut self) -> Option<BallState> {
-        if self.len() == 0 {
-            return None;
-        }
-        let place = self.next % LANES_MAX;
-        if place == 0 {
-            self.look();
-        }
-        self.next += 1;
-        Some(self.seen[place])
-    }
-
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        let left = self.controller.balls.len() - self.next;
-        (left, Some(left))
-    }
-}
-
-impl ExactSizeIterator for Balls<'_> {}

@@ -2,8 +2,8 @@
 
 use super::arc::{Arc, Path};
 use super::body::Body;
-use super::law::{ROLLING, State, angular_velocity, rotation, velocity};
-use super::rotation::Turned;
+use super::law::{ROLLING, State, angular_velocity, rotation, velocity, velocity_in};
+use super::rotation::{Followed, can_follow, follow};
 use crate::lanes::{LANES_MAX, Lanes};
 use crate::number::{Number, Triple};
 use crate::surface::chart::{Chart, Frame, Surface, with_chart};
@@ -60,98 +60,114 @@ impl Look {
     }
 }
 
-/// Looks at all that there are, side by side where that pays.
-pub fn look(surface: &Surface, balls: &[Sight<'_>], looks: &mut [Look]) {
-    Arch::new().dispatch(Looking { surface, balls, looks });
+/// Looks at all that there are, side by side where that pays; orientations go on from what was `followed` before.
+pub fn look(surface: &Surface, balls: &[Sight<'_>], followed: &mut [Followed], looks: &mut [Look]) {
+    let alike = |ball: &Sight<'_>| ball.arc.path == Path::Curved && ball.body.rolls;
+    let pays = with_chart!(&surface.kernel, chart => pays(chart));
+    if pays && balls.len() > 1 && balls.iter().all(alike) {
+        let arch = Arch::new();
+        arch.dispatch(Seats { surface, balls, looks });
+        arch.dispatch(Orientations { balls, followed, looks });
+    } else {
+        for (ball, look) in balls.iter().zip(looks) {
+            *look = Look::at(surface, *ball);
+        }
+    }
 }
 
-struct Looking<'a> {
+/// Whether a chart has kernels for several balls.
+const fn pays<C: Chart>(_: &C) -> bool {
+    C::SIDE_BY_SIDE
+}
+
+/// Everything but the orientation, of rolling balls on curved arcs.
+struct Seats<'a> {
     surface: &'a Surface,
     balls: &'a [Sight<'a>],
     looks: &'a mut [Look],
 }
 
-impl WithSimd for Looking<'_> {
+impl WithSimd for Seats<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { surface, balls, looks } = self;
-        with_chart!(&surface.kernel, chart => {
-            for (balls, looks) in balls.chunks(S::F64_LANES).zip(looks.chunks_mut(S::F64_LANES)) {
-                let alike = |ball: &Sight<'_>| ball.arc.path == Path::Curved && ball.body.rolls;
-                if pays(chart) && balls.len() > 1 && balls.iter().all(alike) {
-                    look_lanes(simd, chart, balls, looks);
-                } else {
-                    for (ball, look) in balls.iter().zip(looks) {
-                        *look = Look::at(surface, *ball);
-                    }
+        for (balls, looks) in balls.chunks(S::F64_LANES).zip(looks.chunks_mut(S::F64_LANES)) {
+            // What each polynomial says, ball by ball: its coefficients lie side by side already.
+            let mut read = [[0.0; LANES_MAX]; ROLLING];
+            for lane in 0..S::F64_LANES {
+                // Lanes without a ball repeat the first.
+                let Sight { arc, dt, .. } = balls[if lane < balls.len() { lane } else { 0 }];
+                let state = arc.read(dt / arc.scale);
+                for i in 0..ROLLING {
+                    read[i][lane] = state[i];
                 }
             }
-        });
-    }
-}
-
-/// Whether a chart has kernels for several balls.
-#[inline(always)]
-const fn pays<C: Chart>(_: &C) -> bool {
-    C::SIDE_BY_SIDE
-}
-
-/// Lanes without a ball repeat the first.
-#[inline(always)]
-fn look_lanes<C: Chart, S: Simd>(simd: S, chart: &C, balls: &[Sight<'_>], looks: &mut [Look]) {
-    let mut sights = [balls[0]; LANES_MAX];
-    let mut thetas = [0.0; LANES_MAX];
-    // What each polynomial says, ball by ball: its coefficients lie side by side already.
-    let mut read = [[0.0; LANES_MAX]; ROLLING];
-    for lane in 0..S::F64_LANES {
-        sights[lane] = balls[if lane < balls.len() { lane } else { 0 }];
-        let Sight { arc, dt, .. } = sights[lane];
-        thetas[lane] = dt / arc.scale;
-        let state = arc.read(thetas[lane]);
-        for i in 0..ROLLING {
-            read[i][lane] = state[i];
+            let radius =
+                Lanes::new(simd, |lane| balls[if lane < balls.len() { lane } else { 0 }].body.radius);
+            let mut y = [radius; ROLLING];
+            for i in 0..ROLLING {
+                y[i] = Lanes::new(simd, |lane| read[i][lane]);
+            }
+            let [n, center, w, omega] = with_chart!(&surface.kernel, chart => seat(chart, &y, radius));
+            for (lane, look) in looks.iter_mut().enumerate() {
+                let [n, center, w, omega] =
+                    [of_lane(&n, lane), of_lane(&center, lane), of_lane(&w, lane), of_lane(&omega, lane)];
+                look.state = [read[0][lane], read[1][lane], w.x, w.y, w.z, read[5][lane]];
+                (look.normal, look.center, look.omega) = (n, center, omega);
+            }
         }
     }
-    let of = |i: usize| Lanes::new(simd, |lane| read[i][lane]);
-    let radius = Lanes::new(simd, |lane| sights[lane].body.radius);
-    let frame = chart.frame([of(0), of(1)]);
+}
+
+/// Normal, centre, velocity in the tangent plane, angular velocity.
+#[inline(always)]
+fn seat<C: Chart, T: Number>(chart: &C, y: &[T; ROLLING], radius: T) -> [Triple<T>; 4] {
+    let frame = chart.frame([y[0], y[1]]);
     let n = frame.normal();
     let center = frame.point() + n * radius;
-    let w = Triple([of(2), of(3), of(4)]);
+    let w = velocity_in(y);
     let w = w - n * w.dot(n);
-    let omega = rotation(n, w, of(5), radius.like(1.0) / radius);
-    let mut turned = Turned([(&sights[0].arc.turning, thetas[0]); LANES_MAX]);
-    for lane in 1..S::F64_LANES {
-        turned.0[lane] = (&sights[lane].arc.turning, thetas[lane]);
-    }
-    let orientations = turned.fit().then(|| turned.at(simd));
-    for (lane, look) in looks.iter_mut().enumerate() {
-        let state = [
-            read[0][lane],
-            read[1][lane],
-            w.0[0].lane(lane),
-            w.0[1].lane(lane),
-            w.0[2].lane(lane),
-            read[5][lane],
-        ];
-        let orientation = match &orientations {
-            Some([x, y, z, w]) => [x.lane(lane), y.lane(lane), z.lane(lane), w.lane(lane)],
-            None => sights[lane].arc.orientation_at(sights[lane].dt),
-        };
-        *look = Look {
-            state,
-            center: of_lane(&center, lane),
-            normal: of_lane(&n, lane),
-            omega: of_lane(&omega, lane),
-            orientation,
-        };
-    }
+    [n, center, w, rotation(n, w, y[5], radius.like(1.0) / radius)]
 }
 
 /// One ball's part.
 #[inline(always)]
 fn of_lane<S: Simd>(of: &Triple<Lanes<S>>, lane: usize) -> V3 {
     V3::new(of.0[0].lane(lane), of.0[1].lane(lane), of.0[2].lane(lane))
+}
+
+/// The orientations of rolling balls.
+struct Orientations<'a> {
+    balls: &'a [Sight<'a>],
+    followed: &'a mut [Followed],
+    looks: &'a mut [Look],
+}
+
+impl WithSimd for Orientations<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { balls, followed, looks } = self;
+        let groups = balls.chunks(S::F64_LANES).zip(followed.chunks_mut(S::F64_LANES));
+        for ((balls, followed), looks) in groups.zip(looks.chunks_mut(S::F64_LANES)) {
+            let mut courses = [(&balls[0].arc.turning, 0.0); LANES_MAX];
+            for (course, ball) in courses.iter_mut().zip(balls) {
+                *course = (&ball.arc.turning, ball.dt / ball.arc.scale);
+            }
+            let courses = &courses[..balls.len()];
+            if can_follow(courses) {
+                let q = follow(simd, courses, followed);
+                for (lane, look) in looks.iter_mut().enumerate() {
+                    look.orientation = [q[0].lane(lane), q[1].lane(lane), q[2].lane(lane), q[3].lane(lane)];
+                }
+            } else {
+                for (ball, look) in balls.iter().zip(looks) {
+                    look.orientation = ball.arc.orientation_at(ball.dt);
+                }
+            }
+        }
+    }
 }

@@ -22,7 +22,7 @@ const RATE_TERMS: usize = TERMS - 1;
 /// (S. Blanes, F. Casas, J. Ros, "Improved high order integrators based on the Magnus expansion", BIT 40, 2000); where
 /// those would be many, the quaternion is summed as its own power series, of any order that the wanted error needs. The pieces stand
 /// fixed, so that a look depends on its own time alone.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turning {
     /// Integral of the angular velocity in powers of theta, rad; zero when sliding.
     pub turn: [V3; TERMS],
@@ -356,7 +356,7 @@ pub fn unit<T: Number>([x, y, z, w]: [T; 4]) -> [T; 4] {
     [of(x, zero), of(y, zero), of(z, zero), of(w, one)]
 }
 
-/// The orientation of each ball so far along its own arc, in theta: the same numbers as of each alone.
+/// The orientation of each ball so far along its own course, in theta: the same numbers as of each alone.
 pub fn orientations(balls: &[Option<(&Turning, f64)>], out: &mut [[f64; 4]]) {
     Arch::new().dispatch(Orientations { balls, out });
 }
@@ -372,76 +372,112 @@ impl WithSimd for Orientations<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         for (balls, out) in self.balls.chunks(S::F64_LANES).zip(self.out.chunks_mut(S::F64_LANES)) {
-            let Some(one) = balls.iter().flatten().next() else { continue };
-            let mut turned = Turned([*one; LANES_MAX]);
-            for (place, ball) in turned.0.iter_mut().zip(balls.iter().flatten()) {
-                *place = *ball;
+            let Some(Some(one)) = balls.first() else { continue };
+            let mut courses = [*one; LANES_MAX];
+            for (course, ball) in courses.iter_mut().zip(balls.iter().flatten()) {
+                *course = *ball;
             }
-            if balls.len() > 1 && turned.fit() {
-                let [x, y, z, w] = turned.at(simd);
+            let courses = &courses[..balls.len()];
+            if courses.len() > 1 && can_follow(courses) {
+                let [x, y, z, w] = follow(simd, courses, &mut [Followed::NONE; LANES_MAX][..courses.len()]);
                 for (lane, q) in out.iter_mut().enumerate() {
                     *q = [x.lane(lane), y.lane(lane), z.lane(lane), w.lane(lane)];
                 }
             } else {
-                for ((turning, theta), q) in balls.iter().flatten().zip(out) {
-                    *q = turning.at(*theta);
+                for ((course, theta), q) in courses.iter().zip(out) {
+                    *q = course.at(*theta);
                 }
             }
         }
     }
 }
 
-/// Balls that turn by Magnus steps, each so far along its own arc: one in every lane.
-pub(super) struct Turned<'a>(pub [(&'a Turning, f64); LANES_MAX]);
+/// How far a course has been followed: a later look goes on from there, to the same bits.
+#[derive(Clone, Copy, Debug)]
+pub struct Followed {
+    course: Turning,
+    /// Whole pieces, and the orientation after them.
+    pieces: u32,
+    orientation: [f64; 4],
+}
 
-impl Turned<'_> {
-    /// Whether all of them can be turned side by side.
-    pub(super) fn fit(&self) -> bool {
-        self.0.iter().all(|(turning, theta)| turning.magnus && turning.pieces > 0 && *theta > 0.0)
+impl Followed {
+    /// Nothing followed.
+    pub const NONE: Self = Self { course: Turning::STILL, pieces: 0, orientation: Turning::STILL.start };
+
+    /// Goes back to the start of a course, unless it was followed before and not beyond `pieces`: all that an orientation
+    /// follows from is compared.
+    fn begin(&mut self, course: &Turning, pieces: u32) {
+        if self.pieces > pieces || self.course != *course {
+            *self = Self { course: *course, pieces: 0, orientation: course.start };
+        }
     }
+}
 
-    /// The orientations, by [`Turning::at`] lane by lane.
-    #[inline(always)]
-    pub(super) fn at<S: Simd>(&self, simd: S) -> [Lanes<S>; 4] {
-        let balls = &self.0;
-        let length = Lanes::new(simd, |lane| 1.0 / f64::from(balls[lane].0.pieces));
-        let theta = Lanes::new(simd, |lane| balls[lane].1);
-        let (mut wholes, mut steps) = ([0.0; LANES_MAX], [0.0; LANES_MAX]);
-        let (mut most, mut doublings_most) = (0, 0);
-        for lane in 0..S::F64_LANES {
-            let (turning, theta) = balls[lane];
-            let h = length.lane(lane);
-            let whole = (theta / h) as u32;
-            // A last piece that is not whole.
-            let count = whole + u32::from(theta > f64::from(whole) * h);
-            (wholes[lane], steps[lane]) = (f64::from(whole), f64::from(count));
-            (most, doublings_most) = (most.max(count), doublings_most.max(turning.doublings));
+/// Whether balls can be turned by [`follow`] on the courses and to the thetas given.
+pub(super) fn can_follow(balls: &[(&Turning, f64)]) -> bool {
+    balls.iter().all(|(course, theta)| course.magnus && course.pieces > 0 && *theta > 0.0)
+}
+
+/// The orientations of at most as many balls as there are lanes, by [`Turning::at`] lane by lane. Lanes without a ball
+/// repeat the first.
+#[inline(always)]
+pub(super) fn follow<S: Simd>(
+    simd: S,
+    balls: &[(&Turning, f64)],
+    followed: &mut [Followed],
+) -> [Lanes<S>; 4] {
+    let (mut thetas, mut lengths, mut wholes) = ([0.0; LANES_MAX], [0.0; LANES_MAX], [0; LANES_MAX]);
+    let (mut done, mut starts) = ([0; LANES_MAX], [[0.0; 4]; LANES_MAX]);
+    let (mut most, mut doublings_most) = (0, 0);
+    for lane in 0..S::F64_LANES {
+        let ball = if lane < balls.len() { lane } else { 0 };
+        let (course, theta) = balls[ball];
+        let h = 1.0 / f64::from(course.pieces);
+        let whole = (theta / h) as u32;
+        (thetas[lane], lengths[lane], wholes[lane]) = (theta, h, whole);
+        followed[ball].begin(course, whole);
+        (done[lane], starts[lane]) = (followed[ball].pieces, followed[ball].orientation);
+        most = most.max(whole - done[lane]);
+        doublings_most = doublings_most.max(course.doublings);
+    }
+    let of = |lane: usize| balls[if lane < balls.len() { lane } else { 0 }].0;
+    let theta = Lanes::new(simd, |lane| thetas[lane]);
+    let length = Lanes::new(simd, |lane| lengths[lane]);
+    let whole = Lanes::new(simd, |lane| f64::from(wholes[lane]));
+    let done = Lanes::new(simd, |lane| f64::from(done[lane]));
+    let doublings = Lanes::new(simd, |lane| f64::from(of(lane).doublings));
+    let half = theta.like(0.5);
+    let mut rate = [Triple([theta; 3]); RATE_TERMS];
+    for k in 0..RATE_TERMS {
+        for axis in 0..3 {
+            rate[k].0[axis] = Lanes::new(simd, |lane| of(lane).turn[k + 1][axis]) * (k + 1) as f64;
         }
-        let (wholes, steps) = (Lanes::new(simd, |lane| wholes[lane]), Lanes::new(simd, |lane| steps[lane]));
-        let doublings = Lanes::new(simd, |lane| f64::from(balls[lane].0.doublings));
-        let mut rate = [Triple([theta; 3]); RATE_TERMS];
-        let mut q = [theta; 4];
-        for k in 0..RATE_TERMS {
-            for axis in 0..3 {
-                let c = Lanes::new(simd, |lane| balls[lane].0.turn[k + 1][axis]);
-                rate[k].0[axis] = c * theta.like((k + 1) as f64);
-            }
-        }
+    }
+    let mut q = [theta; 4];
+    for part in 0..4 {
+        q[part] = Lanes::new(simd, |lane| starts[lane][part]);
+    }
+    for ahead in 0..most {
+        let piece = done + theta.like(f64::from(ahead));
+        let angle = magnus(rate, piece * length + half * length, length);
+        let next = compose(exponential(angle, doublings, doublings_most), q);
         for part in 0..4 {
-            q[part] = Lanes::new(simd, |lane| balls[lane].0.start[part]);
+            q[part] = piece.where_less(whole, next[part], q[part]);
         }
-        for piece in 0..most {
-            let piece = theta.like(f64::from(piece));
-            let from = piece * length;
-            let h = piece.where_less(wholes, length, theta - from);
-            let by = exponential(magnus(rate, from + h * theta.like(0.5), h), doublings, doublings_most);
-            let next = compose(by, q);
-            for part in 0..4 {
-                q[part] = piece.where_less(steps, next[part], q[part]);
-            }
-        }
-        unit(q)
     }
+    for (lane, followed) in followed.iter_mut().enumerate() {
+        followed.pieces = wholes[lane];
+        followed.orientation = [q[0].lane(lane), q[1].lane(lane), q[2].lane(lane), q[3].lane(lane)];
+    }
+    // The last piece is not whole, or none.
+    let from = whole * length;
+    let h = theta - from;
+    let next = compose(exponential(magnus(rate, from + half * h, h), doublings, doublings_most), q);
+    for part in 0..4 {
+        q[part] = from.where_less(theta, next[part], q[part]);
+    }
+    unit(q)
 }
 
 #[cfg(test)]

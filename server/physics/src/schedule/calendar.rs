@@ -51,7 +51,8 @@ impl Calendar {
     /// A ball's hit at `time` was found.
     pub fn note(&mut self, ball: usize, time: Time) {
         let number = self.day_of(time);
-        if number >= self.today + self.days.len() as i64 {
+        let ahead = usize::try_from(number - self.today);
+        if !ahead.is_ok_and(|ahead| ahead < self.days.len()) {
             return;
         }
         let place = self.place_of(number);

@@ -2,7 +2,7 @@
 
 use crate::scenes::{all_bits, bits, center, cloud, graph, load, moving, original, plane, random};
 use ballroom_physics::{
-    Accuracy, Checkpoint, CheckpointFault, Controller, Drive, MotionLaw, Scene, Scheme, Time,
+    Accuracy, Checkpoint, CheckpointFault, Controller, Drive, MotionLaw, Observer, Scene, Scheme, Time,
 };
 use nalgebra::Vector2;
 
@@ -46,15 +46,23 @@ fn tick(engine: &mut Controller, tick: u64) {
 }
 
 #[test]
-fn a_look_at_all_balls_is_a_look_at_each() {
+fn an_observer_sees_every_ball_as_it_is_seen_alone_whatever_it_saw_before() {
     for (name, scene) in scenes() {
-        let mut engine = load(&scene);
-        for at in 0..40 {
-            // At the first all arcs begin, later at no two balls the same.
-            engine.advance_to(Time::of_tick(at, 17));
-            for (ball, state) in engine.balls().enumerate() {
-                assert_eq!(bits(&state), bits(&engine.ball(ball)), "{name}, ball {ball} at {at}");
+        let (mut engine, mut observer) = (load(&scene), Observer::default());
+        let start = engine.checkpoint();
+        for again in 0..2 {
+            for at in 0..60 {
+                // At the first all arcs begin, later at no two balls the same.
+                engine.advance_to(Time::of_tick(at, 17 + 6 * again));
+                let mut seen = 0;
+                engine.observe(&mut observer, |ball, state| {
+                    assert_eq!(ball, seen);
+                    assert_eq!(bits(state), bits(&engine.ball(ball)), "{name}, ball {ball} at {at}");
+                    seen += 1;
+                });
+                assert_eq!(seen, engine.balls().len());
             }
+            engine.restore(&start).expect("its own checkpoint");
         }
     }
 }
