@@ -72,6 +72,12 @@ impl<T: Number> Triple<T> {
         a * x + b * y + c * z
     }
 
+    /// The length.
+    #[inline(always)]
+    pub fn norm(self) -> T {
+        self.dot(self).sqrt()
+    }
+
     /// The cross product.
     #[inline(always)]
     #[must_use]

@@ -1,7 +1,8 @@
 //! An advance: the first event of all, again and again, until the caller's time.
 
+use super::approach::Due;
 use super::{Controller, Shard};
-use crate::diagnostics::Report;
+use crate::diagnostics::{HitPartner, Report};
 use crate::motion::arc::Path;
 use crate::motion::law::State;
 use crate::motion::together::{self, Launch};
@@ -52,11 +53,13 @@ impl Controller {
     pub(super) fn take(&mut self, ball: usize, next: &Next) {
         match next.what {
             What::Ball { other, stamp } if self.arcs[other as usize].stamp == stamp => {
-                self.collide_balls(ball, other as usize, next.time);
+                self.collide(&mut Due::new(ball, HitPartner::Ball(other as usize), next.time));
             }
             // The other ball went elsewhere: search again.
             What::Ball { .. } => self.predict(ball, next.time),
-            What::Wall { wall } => self.collide_wall(ball, wall as usize, next.time),
+            What::Wall { wall } => {
+                self.collide(&mut Due::new(ball, HitPartner::Wall(wall as usize), next.time));
+            }
             What::Renew => self.renew(ball, next.time),
         }
     }
@@ -103,11 +106,12 @@ impl Controller {
     pub(super) fn close_arc(&mut self, ball: usize, time: Time) {
         self.will_change(ball);
         let work = self.work_of_force(ball, time);
+        let foreseen = self.foreseen_orientation(ball, time);
         let arc = &mut self.arcs[ball];
         let dt = time.since(arc.start);
         let pulled = arc.negative_reaction(dt);
         if self.balls[ball].body.rolls {
-            arc.turning.start = arc.orientation_at(dt);
+            arc.turning.start = foreseen.unwrap_or_else(|| arc.orientation_at(dt));
         }
         self.book(ball, work, pulled);
     }

@@ -1,31 +1,22 @@
 //! A hit: land on it exactly, gather who touches, resolve, and put whoever was moved on a new arc.
 
 use super::Controller;
+use super::approach::{Due, Landed};
 use crate::detect::ball_wall::Plane;
 use crate::detect::broad_phase::is_within;
 use crate::diagnostics::{Hit, HitPartner};
 use crate::motion::arc::Path;
-use crate::motion::law::{State, velocity};
-use crate::motion::together::{self, Landing};
+use crate::motion::law::State;
+use crate::motion::together::{self, Landing, Seat};
 use crate::resolve::impact::{Contact, Member, hop, resolve_cluster, resolve_one};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{
-    self, ALONE_MARGIN, CLUSTER_MAX, HOLD_SPEED, HOP_SPEED, POLISH, POLISH_ROUNDS, REST_HITS_MAX, REST_SPEED,
-    SLOW_CLUSTER_MAX, TOUCH_CURVED, TOUCH_ULPS,
+    ALONE_MARGIN, CLUSTER_MAX, HOLD_SPEED, HOP_SPEED, POLISH, REST_HITS_MAX, REST_SPEED, SLOW_CLUSTER_MAX,
+    TOUCH_CURVED, TOUCH_ULPS,
 };
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
-
-/// A ball landed on the instant of an impact.
-#[derive(Clone, Copy, Debug)]
-struct Landed {
-    ball: usize,
-    state: State,
-    slope: State,
-    center: V3,
-    normal: V3,
-}
 
 /// Whom a contact of the cluster joins, beside what the solver needs.
 #[derive(Clone, Copy, Debug)]
@@ -73,134 +64,31 @@ impl Cluster {
 }
 
 impl Controller {
-    /// Resolves the hit of two balls predicted for `time`.
-    pub(super) fn collide_balls(&mut self, a: usize, b: usize, time: Time) {
-        let (a, b) = (a.min(b), a.max(b));
-        let reach = self.balls[a].body.radius + self.balls[b].body.radius;
-        let mut t = time;
+    /// Resolves a hit that is due.
+    pub(super) fn collide(&mut self, hit: &mut Due) {
+        self.land_on(hit);
         let mut cluster = self.work.cluster.take().unwrap_or_default();
         cluster.clear();
-        for round in 0..=POLISH_ROUNDS {
-            let [la, lb] = self.land_pair([a, b], t);
-            let apart = lb.center - la.center;
-            let distance = apart.norm();
-            let (wa, wb) = (velocity(&la.state), velocity(&lb.state));
-            let closing = (wa - wb).dot(&apart) / distance;
-            let Some(shift) = self.correction(distance - reach, closing, &[la, lb], t) else {
-                self.enter(&mut cluster, la);
-                self.enter(&mut cluster, lb);
-                break;
-            };
-            t = t.after(shift);
-            if round == POLISH_ROUNDS || shift.abs() * wa.norm().max(wb.norm()) <= POLISH {
-                for landed in [la, lb] {
-                    let moved = self.shifted(landed, shift);
-                    self.enter(&mut cluster, moved);
-                }
-                break;
-            }
+        for landed in hit.landed() {
+            self.enter(&mut cluster, *landed);
         }
-        let apart = cluster.landed[1].center - cluster.landed[0].center;
-        let distance = apart.norm();
-        self.report.deepest_penetration = self.report.deepest_penetration.max(reach - distance);
-        cluster.contacts.push(Contact { a: 0, b: Some(1), line: apart / distance });
-        cluster.pairs.push(Pair { ball: a, partner: HitPartner::Ball(b) });
-        self.resolve(cluster, t, time);
-    }
-
-    /// Resolves the hit of a ball and a wall predicted for `time`.
-    pub(super) fn collide_wall(&mut self, ball: usize, wall: usize, time: Time) {
-        let plane = self.walls[wall];
-        let radius = self.balls[ball].body.radius;
-        let mut t = time;
-        let mut cluster = self.work.cluster.take().unwrap_or_default();
-        cluster.clear();
-        for round in 0..=POLISH_ROUNDS {
-            let landed = self.land(ball, t);
-            let w = velocity(&landed.state);
-            let closing = -w.dot(&plane.normal);
-            let gap = plane.distance(&landed.center) - radius;
-            let Some(shift) = self.correction(gap, closing, &[landed], t) else {
-                self.enter(&mut cluster, landed);
-                break;
-            };
-            t = t.after(shift);
-            if round == POLISH_ROUNDS || shift.abs() * w.norm() <= POLISH {
-                let moved = self.shifted(landed, shift);
-                self.enter(&mut cluster, moved);
-                break;
-            }
-        }
-        let depth = radius - plane.distance(&cluster.landed[0].center);
+        let (contact, depth) = self.contact(hit);
         self.report.deepest_penetration = self.report.deepest_penetration.max(depth);
-        cluster.contacts.push(Contact { a: 0, b: None, line: -plane.normal });
-        cluster.pairs.push(Pair { ball, partner: HitPartner::Wall(wall) });
-        self.resolve(cluster, t, time);
+        cluster.contacts.push(contact);
+        cluster.pairs.push(Pair { ball: hit.ball, partner: hit.partner });
+        self.resolve(cluster, hit.time, hit.event);
+        self.close_foreseen();
     }
 
     fn land(&self, ball: usize, time: Time) -> Landed {
         let (arc, body) = (&self.arcs[ball], &self.balls[ball].body);
         let dt = time.since(arc.start).max(0.0);
-        let (state, slope) = arc.land(body, &self.surface, self.accuracy, dt);
-        let (center, normal) = body.seat(&self.surface, &state);
-        Landed { ball, state, slope, center, normal }
-    }
-
-    /// Both at once: the same numbers.
-    fn land_pair(&self, pair: [usize; 2], time: Time) -> [Landed; 2] {
-        let at = |ball: usize| {
-            let arc = &self.arcs[ball];
-            (&self.balls[ball].body, arc, time.since(arc.start).max(0.0))
-        };
-        let landed = |ball, Landing { state, slope, center, normal }: &Landing| Landed {
-            ball,
-            state: *state,
-            slope: *slope,
-            center: *center,
-            normal: *normal,
-        };
-        let [a, b] = together::land(&self.surface, self.accuracy, [at(pair[0]), at(pair[1])]);
-        [landed(pair[0], &a), landed(pair[1], &b)]
-    }
-
-    /// Seconds by which a hit must be moved to close `gap`; None when it stands within rounding, when nothing
-    /// closes, or when the place lies beyond the arcs (a graze that they did not see alike). Never before the arcs
-    /// begin.
-    fn correction(&self, gap: f64, closing: f64, landed: &[Landed], time: Time) -> Option<f64> {
-        let size = landed.iter().map(|l| l.center.amax()).fold(0.0, f64::max);
-        if closing <= REST_SPEED || gap.abs() <= TOUCH_ULPS * f64::EPSILON * size {
-            return None;
-        }
-        let earliest = landed
-            .iter()
-            .map(|l| -time.since(self.arcs[l.ball].start).max(0.0))
-            .fold(f64::NEG_INFINITY, f64::max);
-        let latest = landed
-            .iter()
-            .map(|l| self.arcs[l.ball].finish().since(time))
-            .fold(tolerance::POLISH_SPAN, f64::min);
-        let shift = (gap / closing).max(earliest);
-        (shift <= latest).then_some(shift)
-    }
-
-    /// A landed ball moved by a small time along its slope.
-    fn shifted(&self, mut landed: Landed, shift: f64) -> Landed {
-        let body = &self.balls[landed.ball].body;
-        for (y, s) in landed.state.iter_mut().zip(&landed.slope) {
-            *y += s * shift;
-        }
-        (landed.center, landed.normal) = body.settle(&self.surface, &mut landed.state);
-        landed
+        Landed { ball, at: together::land_alone(&self.surface, self.accuracy, Seat { body, arc, dt }) }
     }
 
     fn enter(&self, cluster: &mut Cluster, landed: Landed) {
-        let member = Member {
-            velocity: velocity(&landed.state),
-            normal: landed.normal,
-            inverse_mass: self.balls[landed.ball].inverse_mass,
-        };
+        cluster.members.push(self.member(&landed));
         cluster.landed.push(landed);
-        cluster.members.push(member);
     }
 
     /// Resolves the cluster around its first contact at `time`, which was predicted for `event`.
@@ -260,7 +148,7 @@ impl Controller {
 
     /// Whether no wall but that of the first contact touches a ball.
     fn is_clear_of_walls(&self, cluster: &Cluster, landed: &Landed) -> bool {
-        let (c, radius) = (landed.center, self.balls[landed.ball].body.radius);
+        let (c, radius) = (landed.at.center, self.balls[landed.ball].body.radius);
         if is_within(&[c.x - radius, c.y - radius, c.x + radius, c.y + radius], &self.room) {
             return true;
         }
@@ -274,7 +162,7 @@ impl Controller {
     fn gather(&self, cluster: &mut Cluster, time: Time, most: usize) {
         let mut place = 0;
         while place < cluster.landed.len() {
-            let (ball, center) = (cluster.landed[place].ball, cluster.landed[place].center);
+            let (ball, center) = (cluster.landed[place].ball, cluster.landed[place].at.center);
             let radius = self.balls[ball].body.radius;
             for (wall, plane) in self.walls.iter().enumerate() {
                 let known =
@@ -310,7 +198,7 @@ impl Controller {
 
     /// Adds the contact of member `place` with ball `other` if they touch and it is new.
     fn join(&self, cluster: &mut Cluster, place: usize, other: usize, time: Time) {
-        let (ball, center) = (cluster.landed[place].ball, cluster.landed[place].center);
+        let (ball, center) = (cluster.landed[place].ball, cluster.landed[place].at.center);
         let known = cluster.landed.iter().position(|l| l.ball == other);
         if known.is_some_and(|k| k < place) {
             return;
@@ -320,7 +208,7 @@ impl Controller {
             return;
         }
         let landed = known.map_or_else(|| self.land(other, time), |k| cluster.landed[k]);
-        let apart = landed.center - center;
+        let apart = landed.at.center - center;
         let reach = self.balls[ball].body.radius + self.balls[other].body.radius;
         let distance = apart.norm();
         if distance - reach > self.touch(&center) {
@@ -360,7 +248,7 @@ impl Controller {
                 continue;
             }
             let at = &cluster.landed[contact.a];
-            let point = at.center + contact.line * self.balls[at.ball].body.radius;
+            let point = at.at.center + contact.line * self.balls[at.ball].body.radius;
             self.hits.push(Hit { time, ball: pair.ball, partner: pair.partner, point, impulse: *impulse });
         }
     }
@@ -375,7 +263,7 @@ impl Controller {
             if !first && member.velocity == cluster.before[place] {
                 continue;
             }
-            let Landed { ball, mut state, .. } = cluster.landed[place];
+            let Landed { ball, at: Landing { mut state, .. } } = cluster.landed[place];
             cluster.found.push(ball);
             if member.inverse_mass == 0.0 {
                 // Held before, and still.
@@ -386,6 +274,9 @@ impl Controller {
                 self.hold(ball, time, &state);
             } else {
                 self.leave(ball, time, &state);
+                if self.goes_on_as_foreseen(ball, time, &state) {
+                    continue;
+                }
                 // Two by two.
                 match waiting.take() {
                     None => waiting = Some((ball, state)),

@@ -6,6 +6,8 @@
 //! | an advance: the first event of all, again and again | `advance` |
 //! | what a ball will meet within its window | `predict` |
 //! | next arcs, several at once | `prepare` |
+//! | landing on hits | `approach` |
+//! | hits, several at once | `foresee` |
 //! | a hit | `collide` |
 //! | a push, a held force | `steer` |
 //! | balls set anew, all or none | `reseat` |
@@ -17,8 +19,10 @@
 //! | a run in several parts at once, to the same bits | `shards` |
 
 mod advance;
+mod approach;
 pub mod checkpoint;
 mod collide;
+mod foresee;
 mod ledger;
 mod load;
 mod observe;
@@ -144,17 +148,19 @@ struct Work {
     ahead: prepare::Ahead,
     /// Whom a search found.
     found: Vec<predict::Encounter>,
+    foresight: foresee::Foresight,
 }
 
 /// A copy has as much room, empty: a run that begins as a copy must not take memory at its first hit.
 impl Clone for Work {
     fn clone(&self) -> Self {
-        let Self { ahead, .. } = self;
+        let Self { ahead, foresight, .. } = self;
         Self {
             scratch: Scratch::with_room(CLUSTER_MAX + 1),
             cluster: Some(Box::new(collide::Cluster::new())),
             ahead: ahead.clone(),
             found: Vec::with_capacity(FOUND),
+            foresight: foresight.clone(),
         }
     }
 }
@@ -167,6 +173,7 @@ impl Work {
             cluster: Some(Box::new(collide::Cluster::new())),
             ahead: prepare::Ahead::new(balls, width),
             found: Vec::with_capacity(FOUND),
+            foresight: foresee::Foresight::new(balls, width),
         }
     }
 }

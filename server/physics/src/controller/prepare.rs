@@ -8,7 +8,7 @@
 use super::Controller;
 use crate::lanes::LANES_MAX;
 use crate::motion::arc::{Arc, Path};
-use crate::motion::body::Stepping;
+use crate::motion::body::{Body, Stepping};
 use crate::motion::law::State;
 use crate::motion::together::{self, Launch};
 use crate::schedule::event::What;
@@ -25,13 +25,24 @@ const LOOKED_AT: usize = 16;
 
 /// A ball's next arc.
 #[derive(Clone, Copy, Debug)]
-struct Prepared {
-    ball: usize,
+pub(super) struct Prepared {
+    pub(super) ball: usize,
     /// Step tried first, s, and force: what the arc follows from, beside where it begins.
     tried: f64,
     applied: Vector3<f64>,
     stepping: Stepping,
     arc: Arc,
+}
+
+impl Prepared {
+    /// Nobody's.
+    pub(super) const NOTHING: Self = Self {
+        ball: usize::MAX,
+        tried: 0.0,
+        applied: Vector3::new(0.0, 0.0, 0.0),
+        stepping: Stepping { try_s: 0.0, steps: 0, forced: 0 },
+        arc: Arc::empty(0.0),
+    };
 }
 
 /// What is prepared, and who may be next.
@@ -65,9 +76,12 @@ impl Ahead {
 }
 
 impl Controller {
-    /// Lines up a ball whose present arc ends within its window with nothing met before.
+    /// Lines up a ball whose present arc ends within its window with nothing met before, and notes a hit.
     pub(super) fn line_up(&mut self, ball: usize) {
-        if !self.work.ahead.is_idle() && self.ends_by_itself(ball) {
+        let next = self.queue.of(ball);
+        if next.what != What::Renew {
+            self.work.foresight.note(ball, next.time);
+        } else if !self.work.ahead.is_idle() && self.ends_by_itself(ball) {
             let line = &mut self.work.ahead.line;
             if line.len() == line.capacity() {
                 line.pop_front();
@@ -103,7 +117,7 @@ impl Controller {
     }
 
     /// Whether an arc is what follows from `state` at `time`.
-    fn follows(&self, next: &Prepared, ball: usize, time: Time, state: &State) -> bool {
+    pub(super) fn follows(&self, next: &Prepared, ball: usize, time: Time, state: &State) -> bool {
         let b = &self.balls[ball];
         next.ball == ball
             && (next.arc.start, next.arc.state) == (time, *state)
@@ -137,7 +151,7 @@ impl Controller {
         if group.len() == 1 {
             self.launch(ball, time, state);
         } else {
-            self.compute(&mut group);
+            self.compute(group.iter_mut());
             self.put_on(&group[0]);
             for next in group.drain(1..) {
                 *self.work.ahead.slot(next.ball) = Some(next);
@@ -147,24 +161,31 @@ impl Controller {
     }
 
     fn blank(&self, ball: usize, start: Time, state: &State) -> Prepared {
-        let b = &self.balls[ball];
-        let mut arc = Arc::empty(b.body.radius);
-        (arc.start, arc.state) = (start, *state);
-        let stepping = Stepping { try_s: b.stepping.try_s, steps: 0, forced: 0 };
-        Prepared { ball, tried: stepping.try_s, applied: b.body.applied, stepping, arc }
+        let mut next = Prepared::NOTHING;
+        self.note_start(&mut next, ball, start, state);
+        next
     }
 
-    fn compute(&self, group: &mut [Prepared]) {
-        let mut next = group.iter_mut();
+    /// What the next arc of a ball follows from; the arc itself is for [`Self::compute`].
+    pub(super) fn note_start(&self, next: &mut Prepared, ball: usize, start: Time, state: &State) {
+        let Body { radius, applied, .. } = self.balls[ball].body;
+        let tried = self.balls[ball].stepping.try_s;
+        (next.ball, next.tried, next.applied) = (ball, tried, applied);
+        next.stepping = Stepping { try_s: tried, steps: 0, forced: 0 };
+        (next.arc.start, next.arc.state, next.arc.radius) = (start, *state, radius);
+    }
+
+    /// Launches the first [`LANES_MAX`] of a group at once.
+    pub(super) fn compute<'a>(&self, mut group: impl Iterator<Item = &'a mut Prepared>) {
         let mut wanted: [Option<Launch<'_>>; LANES_MAX] = std::array::from_fn(|_| {
-            let Prepared { ball, stepping, arc, .. } = next.next()?;
+            let Prepared { ball, stepping, arc, .. } = group.next()?;
             Some(Launch { body: &self.balls[*ball].body, stepping, arc })
         });
         together::launch(&self.surface, self.accuracy, &mut wanted);
     }
 
     /// Puts a ball on a prepared arc, with its own orientation.
-    fn put_on(&mut self, next: &Prepared) {
+    pub(super) fn put_on(&mut self, next: &Prepared) {
         let arc = &mut self.arcs[next.ball];
         let was = (arc.stamp, arc.window_end, arc.turning.start);
         *arc = next.arc;

@@ -5,8 +5,9 @@
 
 use super::body::Body;
 use super::law::{ROLLING, SLIDING, State, velocity};
-use super::rotation::Turning;
+use super::rotation::{Sizes, Turning};
 use super::step::{REACTION_AT, Step, TERMS};
+use crate::number::Number;
 use crate::scene::Accuracy;
 use crate::schedule::time::Time;
 use crate::surface::chart::Surface;
@@ -243,6 +244,7 @@ impl Arc {
         h: f64,
         slope: &[f64; D],
         step: &Step<f64, D>,
+        sizes: &StepSizes<f64>,
         accuracy: Accuracy,
     ) {
         self.path = Path::Curved;
@@ -254,11 +256,33 @@ impl Arc {
             *row = widen(from);
         }
         self.center = step.center.map(V3::from);
-        self.turning.begin(step.turn.map(V3::from), tolerance::turn_left_out(accuracy, h, self.radius));
+        let left_out = tolerance::turn_left_out(accuracy, h, self.radius);
+        self.turning.begin_sized(step.turn.map(V3::from), &sizes.turn, left_out);
         self.reaction = step.reaction;
-        let bound: f64 =
-            self.center.iter().enumerate().skip(2).map(|(k, c)| (k * (k - 1)) as f64 * c.norm()).sum();
-        self.acceleration_bound = bound / (h * h);
+        self.acceleration_bound = sizes.bending / (h * h);
+    }
+}
+
+/// Sizes of a step's polynomials: what bounds are made of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StepSizes<T> {
+    /// Of the turn; of no meaning when sliding.
+    pub turn: Sizes<T>,
+    /// Bound of the centre's second derivative in theta, m.
+    pub bending: T,
+}
+
+impl<T: Number> StepSizes<T> {
+    #[inline(always)]
+    pub(super) fn of<const D: usize>(step: &Step<T, D>) -> Self {
+        let mut bending = step.center[2].norm() * 2.0;
+        for k in 3..TERMS {
+            bending = bending + step.center[k].norm() * (k * (k - 1)) as f64;
+        }
+        let nothing = [bending.like(0.0); TERMS];
+        let turn =
+            if D == ROLLING { Sizes::of(&step.turn) } else { Sizes { length: nothing, across: nothing } };
+        Self { turn, bending }
     }
 }
 

@@ -1,6 +1,6 @@
 //! A body: what moves a ball and does not change along an arc, and how it is launched, held and landed.
 
-use super::arc::{Arc, Path, narrow, widen};
+use super::arc::{Arc, Path, StepSizes, narrow, widen};
 use super::dop853::{self, Attempt};
 use super::law::{Law, ROLLING, SLIDING, Stand, State, angular_velocity, velocity};
 use super::low_order;
@@ -117,12 +117,12 @@ impl Body {
             if self.rolls {
                 let first = law.stand(state);
                 let (h, step) = step_by::<ROLLING, _>(&law, accuracy, state, &first, stepping);
-                arc.fill(h, &first.slope.rate, &step, accuracy);
+                arc.fill(h, &first.slope.rate, &step, &StepSizes::of(&step), accuracy);
             } else {
                 let y = narrow::<SLIDING>(state);
                 let first = law.stand(&y);
                 let (h, step) = step_by::<SLIDING, _>(&law, accuracy, &y, &first, stepping);
-                arc.fill(h, &first.slope.rate, &step, accuracy);
+                arc.fill(h, &first.slope.rate, &step, &StepSizes::of(&step), accuracy);
             }
         });
     }
@@ -173,7 +173,7 @@ fn attempt_alone<const D: usize, C: Chart>(
     slope: &[f64; D],
     h: f64,
 ) -> Attempt<f64, D> {
-    dop853::attempt(law, y, slope, h)
+    dop853::attempt::<true, _, D, C>(law, y, slope, h)
 }
 
 /// See [`attempt_alone`].

@@ -75,9 +75,9 @@ impl<T: Number, const D: usize> Attempt<T, D> {
     }
 }
 
-/// Stages 1 to 11 after the first, and the state at the end.
+/// Stages 1 to 11 after the first, and the state at the end. What only [`finish`] needs is left out if it is not `KEPT`.
 #[inline(always)]
-pub fn attempt<T: Number, const D: usize, C: Chart>(
+pub fn attempt<const KEPT: bool, T: Number, const D: usize, C: Chart>(
     law: &Law<'_, C, T>,
     y: &[T; D],
     slope: &[T; D],
@@ -96,7 +96,11 @@ pub fn attempt<T: Number, const D: usize, C: Chart>(
     for stage in 1..black_box(STAGES) {
         let at = s.state_of(y, h, stage);
         let slope = law.slope(&at);
-        s.enter(law, stage, &at, &slope);
+        if KEPT {
+            s.enter(law, stage, &at, &slope);
+        } else {
+            s.slope[stage] = slope.rate;
+        }
     }
     s.end = s.state_of(y, h, STAGES);
     s

@@ -51,6 +51,11 @@ impl Turning {
 
     /// From the orientation `start` with another rate; Magnus steps in all, or each series, may leave out `left_out` rad.
     pub fn begin(&mut self, turn: [V3; TERMS], left_out: f64) {
+        self.begin_sized(turn, &Sizes::of(&turn.map(Triple::from)), left_out);
+    }
+
+    /// The same, when the sizes of `turn` are known.
+    pub(super) fn begin_sized(&mut self, turn: [V3; TERMS], sizes: &Sizes<f64>, left_out: f64) {
         self.turn = turn;
         self.left_out = left_out;
         if turn[1..].iter().all(|c| *c == V3::zeros()) {
@@ -58,10 +63,10 @@ impl Turning {
             (self.magnus, self.pieces) = (true, 0);
             return;
         }
-        let (series, steps) = (series_pieces(&turn), magnus_pieces(&turn, left_out));
+        let (series, steps) = (series_pieces(&turn, sizes), magnus_pieces(sizes, left_out));
         self.magnus = steps <= TURN_STEPS_PER_SERIES * series;
         self.pieces = if self.magnus { steps } else { series };
-        let fastest: f64 = turn.iter().enumerate().map(|(k, c)| k as f64 * c.norm()).sum();
+        let fastest: f64 = sizes.length.iter().enumerate().map(|(k, c)| k as f64 * c).sum();
         self.doublings = doublings(fastest / f64::from(self.pieces.max(1)));
     }
 
@@ -101,17 +106,42 @@ impl Turning {
     }
 }
 
+/// Sizes of a turn's coefficients, rad, and of what of them lies across the first's direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sizes<T> {
+    pub length: [T; TERMS],
+    pub across: [T; TERMS],
+}
+
+impl<T: Number> Sizes<T> {
+    #[inline(always)]
+    pub(super) fn of(turn: &[Triple<T>; TERMS]) -> Self {
+        let first = turn[1].norm();
+        let least = first.like(f64::MIN_POSITIVE);
+        let divisor = least.where_less(first, first, least);
+        let (mut length, mut across, mut axis) = ([first; TERMS], [first; TERMS], turn[1]);
+        for i in 0..3 {
+            axis.0[i] = axis.0[i] / divisor;
+        }
+        for k in 0..TERMS {
+            length[k] = turn[k].norm();
+            across[k] = turn[k].cross(axis).norm();
+        }
+        Self { length, across }
+    }
+}
+
 /// The angle turned by `theta`.
 fn along(turn: &[V3; TERMS], theta: f64) -> V3 {
     turn[1..].iter().rev().fold(V3::zeros(), |sum, c| (sum + c) * theta)
 }
 
 /// Pieces of about [`TURN_PIECE`]; 0 if the rate keeps its direction.
-fn series_pieces(turn: &[V3; TERMS]) -> u32 {
+fn series_pieces(turn: &[V3; TERMS], sizes: &Sizes<f64>) -> u32 {
     if turn[2..].iter().all(|c| c.cross(&turn[1]) == V3::zeros()) {
         return 0;
     }
-    let size: f64 = turn[1..].iter().map(V3::norm).sum();
+    let size: f64 = sizes.length[1..].iter().sum();
     (size / TURN_PIECE).ceil().clamp(1.0, TURN_PIECES_MAX) as u32
 }
 
@@ -119,13 +149,11 @@ fn series_pieces(turn: &[V3; TERMS]) -> u32 {
 ///
 /// The terms that a step of order 6 leaves out are brackets of seven orders of h in all. Each holds a term of the rate,
 /// across the rate's first direction, and other terms for the rest of the orders; each bracket more has a smaller weight.
-fn magnus_pieces(turn: &[V3; TERMS], allowed: f64) -> u32 {
-    let axis = turn[1] / turn[1].norm().max(f64::MIN_POSITIVE);
-    let across = turn.map(|c| c.cross(&axis).norm());
+fn magnus_pieces(Sizes { length, across }: &Sizes<f64>, allowed: f64) -> u32 {
     if across[2..].iter().all(|x| *x == 0.0) {
         return 0;
     }
-    let [_, a, b, c, d, e, ..] = turn.map(|c| TURN_BRACKET * c.norm());
+    let [_, a, b, c, d, e, ..] = length.map(|c| TURN_BRACKET * c);
     let rest = [
         a,
         a * a + b,
@@ -328,6 +356,42 @@ pub fn unit<T: Number>([x, y, z, w]: [T; 4]) -> [T; 4] {
     [of(x, zero), of(y, zero), of(z, zero), of(w, one)]
 }
 
+/// The orientation of each ball so far along its own course, in theta: the same numbers as of each alone.
+pub fn orientations(balls: &[Option<(&Turning, f64)>], out: &mut [[f64; 4]]) {
+    Arch::new().dispatch(Orientations { balls, out });
+}
+
+struct Orientations<'a> {
+    balls: &'a [Option<(&'a Turning, f64)>],
+    out: &'a mut [[f64; 4]],
+}
+
+impl WithSimd for Orientations<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        for (balls, out) in self.balls.chunks(S::F64_LANES).zip(self.out.chunks_mut(S::F64_LANES)) {
+            let Some(Some(one)) = balls.first() else { continue };
+            let mut courses = [*one; LANES_MAX];
+            for (course, ball) in courses.iter_mut().zip(balls.iter().flatten()) {
+                *course = *ball;
+            }
+            let courses = &courses[..balls.len()];
+            if courses.len() > 1 && can_follow(courses) {
+                let [x, y, z, w] = follow(simd, courses, &mut [Followed::NONE; LANES_MAX][..courses.len()]);
+                for (lane, q) in out.iter_mut().enumerate() {
+                    *q = [x.lane(lane), y.lane(lane), z.lane(lane), w.lane(lane)];
+                }
+            } else {
+                for ((course, theta), q) in courses.iter().zip(out) {
+                    *q = course.at(*theta);
+                }
+            }
+        }
+    }
+}
+
 /// How far a course has been followed: a later look goes on from there, to the same bits.
 #[derive(Clone, Copy, Debug)]
 pub struct Followed {
@@ -505,7 +569,7 @@ mod tests {
                 let (pieces, magnus) = (turning.pieces, turning.magnus);
                 turning.begin(turn, 1e-16);
                 turning.magnus = false;
-                turning.pieces = series_pieces(&turn);
+                turning.pieces = series_pieces(&turn, &Sizes::of(&turn.map(Triple::from)));
                 let fine = turning.at(1.0);
                 let apart = (0..4).map(|i| (quick[i] - fine[i]).abs()).fold(0.0, f64::max) * 2.0;
                 // Each series may leave as much out, and rounding grows with the pieces and the angle.
@@ -515,6 +579,26 @@ mod tests {
             }
         }
         assert!(taken.iter().all(|count| *count > 500), "{taken:?}");
+    }
+
+    #[test]
+    fn several_orientations_are_those_of_each_alone_to_the_last_bit() {
+        let turnings: Vec<Turning> = turns()
+            .take(200)
+            .map(|turn| {
+                let mut turning = Turning::STILL;
+                turning.begin(turn, 1e-9);
+                turning
+            })
+            .collect();
+        for (group, theta) in turnings.chunks(7).zip([0.0, 0.3, 0.77, 1.0].into_iter().cycle()) {
+            let balls: Vec<_> = group.iter().map(|turning| Some((turning, theta))).collect();
+            let mut all = [[0.0; 4]; 7];
+            orientations(&balls, &mut all[..balls.len()]);
+            for (q, turning) in all.iter().zip(group) {
+                assert_eq!(q.map(f64::to_bits), turning.at(theta).map(f64::to_bits));
+            }
+        }
     }
 
     #[test]

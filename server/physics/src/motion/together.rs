@@ -1,10 +1,11 @@
 //! Several balls' steps side by side: a single right-hand side waits for its own results most of the time, and as many
 //! balls as the machine has lanes take hardly longer than one. Every bit is that of the ball alone.
 
-use super::arc::{Arc, Path, widen};
+use super::arc::{Arc, Path, StepSizes, widen};
 use super::body::{Body, Stepping, Verdict, not_finite};
 use super::dop853;
 use super::law::{Law, ROLLING, SLIDING, State};
+use super::rotation::Sizes;
 use super::step::{Step, TERMS};
 use crate::lanes::{LANES_MAX, Lanes};
 use crate::number::Triple;
@@ -129,7 +130,7 @@ fn launch_lanes<const D: usize, C: Chart, S: Simd>(
             tried[lane] = ball.stepping.try_s;
         }
         let h = Lanes::new(simd, |lane| tried[lane]);
-        let attempt = dop853::attempt(&law, &y, &first.slope.rate, h);
+        let attempt = dop853::attempt::<true, _, D, C>(&law, &y, &first.slope.rate, h);
         let errors = attempt.errors();
         let mut kept = [false; LANES_MAX];
         for (lane, ball) in balls.iter_mut().flatten().enumerate() {
@@ -142,17 +143,20 @@ fn launch_lanes<const D: usize, C: Chart, S: Simd>(
             let error = dop853::error_estimate(tried[lane], stretch, precession, errors);
             let verdict = ball.stepping.judge(tolerance, error);
             if verdict == Verdict::GivenUp {
-                ball.arc.fill::<D>(tried[lane], &[f64::NAN; D], &not_finite(), accuracy);
+                let step = not_finite();
+                ball.arc.fill::<D>(tried[lane], &[f64::NAN; D], &step, &StepSizes::of(&step), accuracy);
             }
             kept[lane] = verdict == Verdict::Kept;
             waiting[lane] = verdict == Verdict::Refused;
         }
         if kept.contains(&true) {
             let step = dop853::finish(&law, &y, &first, h, attempt);
+            let sizes = StepSizes::of(&step);
             for (lane, ball) in balls.iter_mut().flatten().enumerate() {
                 if kept[lane] {
                     let slope = numbers(&first.slope.rate, lane);
-                    ball.arc.fill(tried[lane], &slope, &step_of(&step, lane), accuracy);
+                    let sizes = sizes_of(&sizes, lane);
+                    ball.arc.fill(tried[lane], &slope, &step_of(&step, lane), &sizes, accuracy);
                 }
             }
         }
@@ -173,6 +177,14 @@ fn step_of<const D: usize, S: Simd>(step: &Step<Lanes<S>, D>, lane: usize) -> St
     out
 }
 
+/// One ball's sizes.
+#[inline(always)]
+fn sizes_of<S: Simd>(sizes: &StepSizes<Lanes<S>>, lane: usize) -> StepSizes<f64> {
+    let StepSizes { turn: Sizes { length, across }, bending } = sizes;
+    let turn = Sizes { length: numbers(length, lane), across: numbers(across, lane) };
+    StepSizes { turn, bending: bending.lane(lane) }
+}
+
 /// One ball's numbers.
 #[inline(always)]
 fn numbers<const N: usize, S: Simd>(of: &[Lanes<S>; N], lane: usize) -> [f64; N] {
@@ -181,6 +193,17 @@ fn numbers<const N: usize, S: Simd>(of: &[Lanes<S>; N], lane: usize) -> [f64; N]
         out[i] = of[i].lane(lane);
     }
     out
+}
+
+/// A ball on its arc, `dt` seconds after the start.
+#[derive(Clone, Copy, Debug)]
+pub struct Seat<'a> {
+    /// What moves it.
+    pub body: &'a Body,
+    /// The arc.
+    pub arc: &'a Arc,
+    /// Since the start, s.
+    pub dt: f64,
 }
 
 /// Where a ball is on its arc, integrated afresh; see [`Arc::land`].
@@ -196,45 +219,78 @@ pub struct Landing {
     pub normal: V3,
 }
 
-/// Two balls on their arcs, each so many seconds after its start.
-pub fn land(surface: &Surface, accuracy: Accuracy, balls: [(&Body, &Arc, f64); 2]) -> [Landing; 2] {
-    let by_lanes = matches!(accuracy, Accuracy::Tolerance(_) | Accuracy::Fixed(Scheme::Dop853, _));
-    let alike = balls[0].0.rolls == balls[1].0.rolls;
-    let inside = balls.iter().all(|(_, arc, dt)| arc.path == Path::Curved && *dt > 0.0);
-    if by_lanes && alike && inside {
-        return Arch::new().dispatch(LandingPair { surface, accuracy, balls });
-    }
-    let [a, b] = balls;
-    [land_alone(surface, accuracy, a), land_alone(surface, accuracy, b)]
+impl Landing {
+    /// Of a ball that is not landed yet.
+    pub const NOWHERE: Self = Self {
+        state: [0.0; ROLLING],
+        slope: [0.0; ROLLING],
+        center: V3::new(0.0, 0.0, 0.0),
+        normal: V3::new(0.0, 0.0, 0.0),
+    };
 }
 
-fn land_alone(surface: &Surface, accuracy: Accuracy, (body, arc, dt): (&Body, &Arc, f64)) -> Landing {
+/// Lands all `balls`, of which there are as many as `landings`, side by side where that pays.
+pub fn land(
+    surface: &Surface,
+    accuracy: Accuracy,
+    balls: &[Option<Seat<'_>>],
+    landings: &mut [Option<&mut Landing>],
+) {
+    let by_lanes = matches!(accuracy, Accuracy::Tolerance(_) | Accuracy::Fixed(Scheme::Dop853, _));
+    let mut seats = balls.iter().flatten();
+    let rolls = seats.clone().next().is_some_and(|seat| seat.body.rolls);
+    let fit = |seat: &Seat<'_>| seat.arc.path == Path::Curved && seat.dt > 0.0 && seat.body.rolls == rolls;
+    if by_lanes && balls.len() > 1 && seats.all(fit) {
+        Arch::new().dispatch(LandingGroup { surface, accuracy, balls, landings });
+    } else {
+        land_each(surface, accuracy, balls, landings);
+    }
+}
+
+fn land_each(
+    surface: &Surface,
+    accuracy: Accuracy,
+    balls: &[Option<Seat<'_>>],
+    landings: &mut [Option<&mut Landing>],
+) {
+    for (seat, landing) in balls.iter().flatten().zip(landings.iter_mut().flatten()) {
+        **landing = land_alone(surface, accuracy, *seat);
+    }
+}
+
+/// Lands one ball.
+pub fn land_alone(surface: &Surface, accuracy: Accuracy, Seat { body, arc, dt }: Seat<'_>) -> Landing {
     let (state, slope) = arc.land(body, surface, accuracy, dt);
     let (center, normal) = body.seat(surface, &state);
     Landing { state, slope, center, normal }
 }
 
-struct LandingPair<'a> {
+struct LandingGroup<'a, 'b, 'c> {
     surface: &'a Surface,
     accuracy: Accuracy,
-    balls: [(&'a Body, &'a Arc, f64); 2],
+    balls: &'a [Option<Seat<'b>>],
+    landings: &'a mut [Option<&'c mut Landing>],
 }
 
-impl WithSimd for LandingPair<'_> {
-    type Output = [Landing; 2];
+impl WithSimd for LandingGroup<'_, '_, '_> {
+    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> [Landing; 2] {
-        let Self { surface, accuracy, balls } = self;
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { surface, accuracy, balls, landings } = self;
         with_chart!(&surface.kernel, chart => {
-            if !pays(chart) || S::F64_LANES == 1 {
-                balls.map(|ball| land_alone(surface, accuracy, ball))
-            } else if balls[0].0.rolls {
-                land_lanes::<ROLLING, _, S>(simd, chart, balls)
-            } else {
-                land_lanes::<SLIDING, _, S>(simd, chart, balls)
+            let groups = balls.chunks(S::F64_LANES).zip(landings.chunks_mut(S::F64_LANES));
+            for (balls, landings) in groups {
+                let Some(Some(one)) = balls.first() else { continue };
+                if !pays(chart) || balls.len() == 1 {
+                    land_each(surface, accuracy, balls, landings);
+                } else if one.body.rolls {
+                    land_lanes::<ROLLING, _, S>(simd, chart, *one, (balls, landings));
+                } else {
+                    land_lanes::<SLIDING, _, S>(simd, chart, *one, (balls, landings));
+                }
             }
-        })
+        });
     }
 }
 
@@ -244,31 +300,35 @@ const fn pays<C: Chart>(_: &C) -> bool {
     C::SIDE_BY_SIDE
 }
 
+/// Lanes without a ball repeat `one`.
 #[inline(always)]
 fn land_lanes<const D: usize, C: Chart, S: Simd>(
     simd: S,
     chart: &C,
-    balls: [(&Body, &Arc, f64); 2],
-) -> [Landing; 2] {
-    let mut seats = [balls[0]; LANES_MAX];
-    seats[1] = balls[1];
-    let law = law_of(simd, chart, seats.map(|seat| seat.0));
+    one: Seat<'_>,
+    (balls, landings): (&[Option<Seat<'_>>], &mut [Option<&mut Landing>]),
+) {
+    let mut seats = [one; LANES_MAX];
+    for (seat, ball) in seats.iter_mut().zip(balls.iter().flatten()) {
+        *seat = *ball;
+    }
+    let law = law_of(simd, chart, seats.map(|seat| seat.body));
     let (mut y, mut slope) = ([law.radius; D], [law.radius; D]);
     for i in 0..D {
-        y[i] = Lanes::new(simd, |lane| seats[lane].1.state[i]);
-        slope[i] = Lanes::new(simd, |lane| seats[lane].1.slope[i]);
+        y[i] = Lanes::new(simd, |lane| seats[lane].arc.state[i]);
+        slope[i] = Lanes::new(simd, |lane| seats[lane].arc.slope[i]);
     }
-    let h = Lanes::new(simd, |lane| seats[lane].2);
-    let (end, slope) = dop853::attempt(&law, &y, &slope, h).landed();
+    let h = Lanes::new(simd, |lane| seats[lane].dt);
+    let (end, slope) = dop853::attempt::<false, _, D, C>(&law, &y, &slope, h).landed();
     let frame = chart.frame([end[0], end[1]]);
     let normal = frame.normal();
     let center = frame.point() + normal * law.radius;
-    [0, 1].map(|lane| Landing {
-        state: widen(&numbers(&end, lane)),
-        slope: widen(&numbers(&slope, lane)),
-        center: numbers(&center.0, lane).into(),
-        normal: numbers(&normal.0, lane).into(),
-    })
+    for (lane, landing) in landings.iter_mut().flatten().enumerate() {
+        landing.state = widen(&numbers(&end, lane));
+        landing.slope = widen(&numbers(&slope, lane));
+        landing.center = numbers(&center.0, lane).into();
+        landing.normal = numbers(&normal.0, lane).into();
+    }
 }
 
 #[cfg(test)]
@@ -348,8 +408,14 @@ mod tests {
                 prop_assert_eq!(bits(x), bits(y));
                 prop_assert_eq!((a.try_s, a.steps, a.forced), (b.try_s, b.steps, b.forced));
             }
-            let pair = [0, 1].map(|k| (&alone[k].0, &alone[k].2, 0.3 * alone[k].2.length));
-            for (landing, (body, arc, dt)) in land(surface, accuracy, pair).iter().zip(pair) {
+            let seats: Vec<_> = alone
+                .iter()
+                .take(LANES_MAX)
+                .map(|(body, _, arc)| Some(Seat { body, arc, dt: 0.3 * arc.length }))
+                .collect();
+            let mut landings = [Landing::NOWHERE; LANES_MAX];
+            land(surface, accuracy, &seats, &mut landings.each_mut().map(Some)[..seats.len()]);
+            for (landing, Seat { body, arc, dt }) in landings.iter().zip(seats.into_iter().flatten()) {
                 let (state, slope) = arc.land(body, surface, accuracy, dt);
                 let (center, normal) = body.seat(surface, &state);
                 prop_assert_eq!((landing.state, landing.slope), (state, slope));

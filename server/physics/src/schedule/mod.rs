@@ -1,8 +1,9 @@
 //! In which order things happen.
 //!
 //! `time` is the clock, `event` what can come next for a ball and the one total order of ties, `queue` finds
-//! the first of all.
+//! the first of all, `calendar` some of the next.
 
+pub mod calendar;
 pub mod clearance;
 pub mod event;
 pub mod queue;
