@@ -5,6 +5,7 @@ pub mod bullet;
 pub mod cradle;
 mod discs_table;
 pub mod galperin;
+pub mod guises;
 pub mod inelastic;
 pub mod instants;
 pub mod long;
@@ -27,6 +28,7 @@ pub fn cases() -> Vec<Case> {
         inelastic::cases(),
         smooth::cases(),
         long::cases(),
+        guises::cases(),
         instants::cases(),
     ]
     .into_iter()
