@@ -3,6 +3,7 @@
 pub mod billiards;
 pub mod bullet;
 pub mod cradle;
+pub mod crowds;
 mod discs_table;
 pub mod galperin;
 pub mod guises;
@@ -29,6 +30,7 @@ pub fn cases() -> Vec<Case> {
         smooth::cases(),
         long::cases(),
         guises::cases(),
+        crowds::cases(),
         instants::cases(),
     ]
     .into_iter()
