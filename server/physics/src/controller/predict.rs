@@ -13,6 +13,7 @@ impl Controller {
     /// happens to others meanwhile, far away, cannot touch it.
     pub(super) fn predict(&mut self, ball: usize, now: Time) {
         self.will_change(ball);
+        self.report.searches += 1;
         let from = now.max(self.arcs[ball].start);
         self.open_window(ball, from);
         let arc = &self.arcs[ball];
