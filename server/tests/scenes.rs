@@ -151,7 +151,18 @@ fn on_the_bicubic_the_ball_is_where_the_description_says() {
     assert!(error < 1e-8, "{error}");
 }
 
-/// Largest distance of a scene's one ball from the same at 1e-13 m, over all ticks of 10 s and not counting later than `until`.
+/// Balls of scenes from files that move smoothly when they are alone. Left out are those at rest, those so slow that the
+/// longest step is better than what is asked for (`derby`), and those on a hill or a ridge, where errors grow by themselves.
+const SMOOTH: [(&str, &[&str]); 6] = [
+    ("bicubic", &["player"]),
+    ("bowl", &["solid", "hollow", "spinning"]),
+    ("monkey", &["left-leg", "right-leg", "tail"]),
+    ("original", &["red", "blue", "player"]),
+    ("original_frictionless", &["red", "player"]),
+    ("trough", &["player", "spinning", "hollow"]),
+];
+
+/// Largest distance of a scene's one ball from the same at 1e-13 m, over all ticks of 10 s.
 fn error(alone: &Scene, tolerance: f64) -> f64 {
     let run = |accuracy| Controller::new(&Scene { accuracy, ..alone.clone() }).unwrap();
     let (mut coarse, mut fine) = (run(Accuracy::Tolerance(tolerance)), run(Accuracy::Tolerance(1e-13)));
@@ -166,17 +177,15 @@ fn error(alone: &Scene, tolerance: f64) -> f64 {
 }
 
 #[test]
-fn of_every_ball_of_the_built_in_scenes_the_error_asked_for_is_obtained_and_no_step_wasted() {
-    for name in
-        ["bicubic", "bowl", "derby", "monkey", "original", "original_frictionless", "saddle", "trough"]
-    {
+fn in_scenes_from_files_the_error_asked_for_is_obtained_and_not_a_hundredfold_less() {
+    for (name, balls) in SMOOTH {
         let loaded = SceneText::open(name).unwrap().load().unwrap();
-        for ball in &loaded.physics().balls {
-            // With the others, hits would make an error grow that no integrator can help.
+        for ball in balls {
+            let ball = loaded.physics().balls.iter().find(|known| known.name == *ball).unwrap();
             let alone = Scene { balls: vec![ball.clone()], ..loaded.physics().clone() };
             for tolerance in [1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11] {
                 let share = error(&alone, tolerance) / tolerance;
-                println!("{name} {} {tolerance:e}: {share:.3}", ball.name);
+                assert!((0.01..=1.0).contains(&share), "{name}, {}, {tolerance:e} m: {share}", ball.name);
             }
         }
     }
