@@ -9,6 +9,7 @@ use crate::recording::Tape;
 use crate::shadows::Sampler;
 use crate::simulation::{NumberedHit, Simulation};
 use crate::wanted::{Moment, WANTED_CAPACITY};
+use ballroom_physics::Observer;
 use protocol::command::{Command, MAX_RUN_TICKS, Refusal, Reply, RunState, Scope, SpeedFactor, code};
 use protocol::stats::Stats;
 use std::sync::Arc;
@@ -43,6 +44,7 @@ pub struct TickLoop {
     tape: Tape,
     diary: Diary,
     shadows: Option<Sampler>,
+    observer: Observer,
 }
 
 /// Steps still to be made while the clock stands.
@@ -80,6 +82,7 @@ impl TickLoop {
             tape: Tape::default(),
             diary,
             shadows: None,
+            observer: Observer::default(),
         }
     }
 
@@ -383,7 +386,7 @@ impl TickLoop {
 
     fn hand_over(&mut self) {
         let mut state = self.handover.buffer();
-        self.simulation.write_snapshot(&mut state);
+        self.simulation.write_snapshot_for(&mut self.observer, &mut state);
         state.paused = self.paused;
         let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         state.wall_ns = since_1970.as_nanos() as u64;

@@ -13,6 +13,10 @@ const EYE_DIRECTION: [f64; 3] = [0.42, -0.80, 0.72];
 const EYE_DISTANCE: f64 = 0.87;
 /// The eye looks in front of the middle by this part of the floor's diagonal, for what is near takes up more of the view.
 const LOOK_NEARER: f64 = 0.075;
+/// Direction to an eye that sees a tall box whole: lower, so that the box does not come near at its upper end.
+const LOW_DIRECTION: [f64; 3] = [0.42, -0.80, 0.30];
+/// Half of what a view shows upwards, in distances from the eye, less a margin: the viewer's angle is 55 degrees.
+const HALF_VIEW: f64 = 0.47;
 /// Distance of an eye that looks straight at a side of the box, in lengths of that side.
 const STRAIGHT_DISTANCE: f64 = 1.1;
 /// Distance of the eye that follows a ball, in radii.
@@ -146,7 +150,7 @@ impl NamedView {
         let size = Vector3::from(sights.room.highest) - Vector3::from(sights.room.lowest);
         let (eye, target, up) = match self {
             Self::Overview | Self::Vectors => corner(sights.room),
-            Self::Net => corner(sights.net),
+            Self::Net => whole(sights.net),
             Self::Top => {
                 let above = sights.room.highest[2] + STRAIGHT_DISTANCE * size.x.max(size.y);
                 (Vector3::new(middle.x, middle.y, above), middle, Vector3::y())
@@ -174,16 +178,46 @@ impl NamedView {
 fn corner(extent: Extent) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
     let direction = Vector3::from(EYE_DIRECTION).normalize();
     let middle = Vector3::from(extent.middle());
-    // Of the floor alone: a net that reaches far up and down would be looked past.
     let across = f64::hypot(extent.highest[0] - extent.lowest[0], extent.highest[1] - extent.lowest[1]);
     let nearer = Vector3::new(direction.x, direction.y, 0.0) * (LOOK_NEARER * across);
     (middle + direction * (EYE_DISTANCE * extent.diagonal_m()), middle + nearer, Vector3::z())
+}
+
+/// The same for a box however tall: far enough for each of its corners to be seen.
+fn whole(extent: Extent) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
+    let (back, up) = (Vector3::from(LOW_DIRECTION).normalize(), Vector3::z());
+    let right = up.cross(&back).normalize();
+    let above = back.cross(&right);
+    let middle = Vector3::from(extent.middle());
+    let distance = extent.corners().map(|corner| {
+        let from = corner - middle;
+        // Where it is as far off the axis as is still seen, or nearer to it.
+        from.dot(&back) + from.dot(&right).abs().max(from.dot(&above).abs()) / HALF_VIEW
+    });
+    (middle + back * distance.into_iter().fold(0.0, f64::max), middle, up)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::testing;
+
+    #[test]
+    fn a_tall_net_is_seen_whole_and_fills_the_view() {
+        for (low, high) in [(-70.0, 40.0), (-1.0, 1.0), (0.0, 500.0)] {
+            let net = Extent { lowest: [-10.0, -10.0, low], highest: [10.0, 10.0, high] };
+            let (eye, target, up) = whole(net);
+            let ahead = (target - eye).normalize();
+            let right = ahead.cross(&up).normalize();
+            let above = right.cross(&ahead);
+            let off = net.corners().map(|corner| {
+                let from = corner - eye;
+                from.dot(&right).abs().max(from.dot(&above).abs()) / from.dot(&ahead)
+            });
+            let farthest = off.into_iter().fold(0.0, f64::max);
+            assert!((farthest - HALF_VIEW).abs() < 1e-9, "{farthest} from {low} to {high}");
+        }
+    }
 
     #[test]
     fn a_view_is_named_as_on_the_command_line() {

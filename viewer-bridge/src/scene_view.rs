@@ -44,6 +44,12 @@ impl Extent {
         std::array::from_fn(|i| f64::midpoint(self.lowest[i], self.highest[i]))
     }
 
+    /// Its eight corners, m.
+    pub fn corners(&self) -> [Vector3<f64>; 8] {
+        let sides = [self.lowest, self.highest];
+        std::array::from_fn(|k| Vector3::new(sides[k & 1][0], sides[k >> 1 & 1][1], sides[k >> 2][2]))
+    }
+
     /// Its diagonal, m.
     pub fn diagonal_m(&self) -> f64 {
         (Vector3::from(self.highest) - Vector3::from(self.lowest)).norm()

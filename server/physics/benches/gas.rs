@@ -10,7 +10,7 @@
 mod results;
 
 use ballroom_cases::gas;
-use ballroom_physics::{Controller, Report, Scene, Time};
+use ballroom_physics::{Controller, Observer, Report, Scene, Time};
 use cpu_time::ProcessTime;
 use results::Results;
 
@@ -106,10 +106,11 @@ fn measure(scene: &Scene, options: &Options, results: &mut Results) -> f64 {
 }
 
 fn run(engine: &mut Controller, ticks: std::ops::RangeInclusive<u64>, look: bool) {
+    let mut observer = Observer::default();
     for tick in ticks {
         engine.advance_to(Time::of_tick(tick, RATE_HZ as u32));
         if look {
-            engine.balls().for_each(|ball| {
+            engine.observe(&mut observer, |_, ball| {
                 std::hint::black_box(ball);
             });
         }

@@ -27,7 +27,7 @@ pub mod tolerance;
 
 pub use controller::checkpoint::{Checkpoint, CheckpointFault};
 pub use controller::{
-    BallState, Controller, Division, Drive, SHARDS_MAX, Seat, SeatFault, Shard, Spot, Successor,
+    BallState, Controller, Division, Drive, Observer, SHARDS_MAX, Seat, SeatFault, Shard, Spot, Successor,
 };
 pub use diagnostics::{Collisions, Hit, HitPartner, Report};
 pub use scene::{Accuracy, BallSpec, Floor, HIT_BUDGET, MotionLaw, Place, Scene, SceneFault, Scheme, Wall};

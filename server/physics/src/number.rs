@@ -22,6 +22,9 @@ pub trait Number:
     /// The square root.
     #[must_use]
     fn sqrt(self) -> Self;
+    /// `then` in the lanes where this is less than `than`, else `other`.
+    #[must_use]
+    fn where_less(self, than: Self, then: Self, other: Self) -> Self;
 }
 
 impl Number for f64 {
@@ -32,6 +35,10 @@ impl Number for f64 {
     #[inline(always)]
     fn sqrt(self) -> Self {
         self.sqrt()
+    }
+    #[inline(always)]
+    fn where_less(self, than: Self, then: Self, other: Self) -> Self {
+        if self < than { then } else { other }
     }
 }
 
@@ -51,6 +58,13 @@ pub fn row<T: Number, const N: usize>(like: T, x: &[f64; N]) -> [T; N] {
 pub struct Triple<T>(pub [T; 3]);
 
 impl<T: Number> Triple<T> {
+    /// `then` in the lanes where `a` is less than `b`, else `other`.
+    #[inline(always)]
+    pub fn where_less(a: T, b: T, then: Self, other: Self) -> Self {
+        let ([x, y, z], [u, v, w]) = (then.0, other.0);
+        Self([a.where_less(b, x, u), a.where_less(b, y, v), a.where_less(b, z, w)])
+    }
+
     /// The inner product.
     #[inline(always)]
     pub fn dot(self, other: Self) -> T {

@@ -63,8 +63,13 @@ impl Hardcases {
             }
             return Ok(());
         }
+        self.measure(&cases, &mut out)
+    }
+
+    /// Runs the cases and prints each as soon as it is measured.
+    fn measure(&self, cases: &[Case], out: &mut impl Write) -> anyhow::Result<()> {
         let (mut rows, mut short) = (0, 0);
-        for case in &cases {
+        for case in cases {
             let start = Instant::now();
             let (measured, fault) = match case.run() {
                 Ok(measured) => (measured, None),
@@ -77,9 +82,9 @@ impl Hardcases {
                 eprintln!("ballroom: case {}: the scene is refused: {fault}", case.id);
             }
             if self.json {
-                json(&mut out, case, &measured, millis)?;
+                json(out, case, &measured, millis)?;
             } else {
-                table(&mut out, case, &measured, millis)?;
+                table(out, case, &measured, millis)?;
             }
         }
         if !self.json {
@@ -121,4 +126,40 @@ fn json(out: &mut impl Write, case: &Case, rows: &[Row], millis: f64) -> anyhow:
         writeln!(out)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ballroom_cases::{Demand, Span};
+    use ballroom_physics::SceneFault;
+
+    fn demand() -> Demand {
+        Demand { quantity: "energy", unit: "1", norm: "largest", span: Span::Seconds(1.0), limit: 1e-10 }
+    }
+
+    fn refused() -> SceneFault {
+        SceneFault::Number { field: "gravity".to_owned(), value: f64::NAN, want: "finite" }
+    }
+
+    /// The verdict on a case that measures this, and what is printed.
+    fn verdict(json: bool, measured: Result<f64, SceneFault>) -> (anyhow::Result<()>, String) {
+        let case = Case::new("T/made-up", "a made-up case", [demand()], move || Ok([measured.clone()?]));
+        let mut out = Vec::new();
+        let verdict = Hardcases { prefixes: vec![], list: false, json }.measure(&[case], &mut out);
+        (verdict, String::from_utf8(out).unwrap())
+    }
+
+    #[test]
+    fn a_demand_that_is_not_met_is_an_error_and_said_in_its_row() {
+        let (met, said) = verdict(false, Ok(1e-10));
+        assert!(met.is_ok() && said.contains("1 cases, 1 demands, 0 not met"), "{said}");
+        for measured in [Ok(1.001e-10), Ok(f64::NAN), Err(refused())] {
+            let (short, said) = verdict(false, measured.clone());
+            assert_eq!(short.unwrap_err().to_string(), "1 of 1 demands are not met");
+            assert!(said.contains("FALLS SHORT") && said.contains("1 not met"), "{said}");
+            let (short, said) = verdict(true, measured);
+            assert!(short.is_err() && said.contains(r#""met":false"#), "{said}");
+        }
+    }
 }

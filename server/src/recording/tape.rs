@@ -2,6 +2,7 @@
 
 use super::{CommandLine, HashLine, Head, TAPE_CAPACITY};
 use crate::simulation::Simulation;
+use ballroom_physics::Observer;
 use protocol::command::Command;
 use protocol::snapshot::Snapshot;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -68,6 +69,7 @@ struct Reel {
     state_every: u64,
     order: u64,
     crowded: bool,
+    observer: Observer,
 }
 
 impl Tape {
@@ -88,6 +90,7 @@ impl Tape {
             state_every: head.state_every_ticks,
             order: 0,
             crowded: false,
+            observer: Observer::default(),
         };
         reel.hash(simulation);
         (Self(Some(reel)), shared)
@@ -141,7 +144,7 @@ impl Reel {
             return;
         };
         drop(shelf);
-        simulation.write_snapshot(&mut buffer);
+        simulation.write_snapshot_for(&mut self.observer, &mut buffer);
         buffer.paused = paused;
         buffer.wall_ns = wall_ns();
         self.push(Entry::State(buffer));

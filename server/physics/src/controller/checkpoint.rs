@@ -11,7 +11,7 @@ use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{SANE, STEP_MAX, STEP_MIN, WINDOW_MAX};
 
 /// Changes whenever the words of a checkpoint change their meaning.
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 /// Words before a run's own: version, scene, balls, checksum.
 const HEAD: usize = 4;
 /// Quanta that no run reaches: sums of times stay far from overflow.
@@ -257,17 +257,29 @@ impl Controller {
         (arc.length, arc.path) == (length, path) && arc.is_sane()
     }
 
-    /// Hash of everything that influences the future; equal at equal times whatever the tick rate and the order
-    /// of the scene's list.
+    /// Hash of everything that influences the future, the scene and its laws too; equal at equal times whatever the tick
+    /// rate and the order of the scene's list.
     pub fn state_hash(&self) -> u64 {
+        self.state_hash_with([])
+    }
+
+    /// The same with `more` words that the caller steers the run by.
+    pub fn state_hash_with(&self, more: impl IntoIterator<Item = u64>) -> u64 {
         let mut hash = Hash::new();
         let mut mix = |word| hash.word(word);
+        self.laws(&mut mix);
         [self.time, self.now].seeds(&mut mix);
         self.report.seeds(&mut mix);
+        more.into_iter().for_each(mix);
         for ball in 0..self.balls.len() {
-            self.holder(ball).seeds_of(ball, &mut mix);
+            // A hash for each: balls do not wait for each other.
+            let mut of_ball = Hash::new();
+            let at = self.holder(ball);
+            at.make_of(ball, &mut |word| of_ball.word(word));
+            at.seeds_of(ball, &mut |word| of_ball.word(word));
+            hash.word(of_ball.end());
         }
-        hash.0
+        hash.end()
     }
 
     /// Whether both were made from the same scene, so that they may exchange runs and checkpoints.
@@ -279,23 +291,32 @@ impl Controller {
     fn scene_hash(&self) -> u64 {
         let mut hash = Hash::new();
         let mut mix = |word| hash.word(word);
-        self.patch.net().iter().for_each(|point| point.all(&mut mix));
-        self.walls.iter().for_each(|wall| [wall.normal, wall.point].all(&mut mix));
-        self.gravity.all(&mut mix);
-        self.restitution.all(&mut mix);
+        self.laws(&mut mix);
+        (0..self.balls.len()).for_each(|ball| self.make_of(ball, &mut mix));
+        hash.end()
+    }
+
+    /// The words of the floor, the walls and the laws.
+    fn laws(&self, keep: &mut impl FnMut(u64)) {
+        self.patch.net().iter().for_each(|point| point.all(keep));
+        self.walls.iter().for_each(|wall| [wall.normal, wall.point].all(keep));
+        self.gravity.all(keep);
+        self.restitution.all(keep);
         match self.accuracy {
             Accuracy::Tolerance(tolerance) => [0.0, tolerance],
             Accuracy::Fixed(Scheme::Rk4, step) => [1.0, step],
             Accuracy::Fixed(Scheme::Tsit5, step) => [2.0, step],
             Accuracy::Fixed(Scheme::Dop853, step) => [3.0, step],
         }
-        .all(&mut mix);
-        self.hit_budget.all(&mut mix);
-        for ball in &self.balls {
-            [ball.body.radius, ball.body.inertia_factor, ball.mass].all(&mut mix);
-            ball.free_omega.all(&mut mix);
-        }
-        hash.0
+        .all(keep);
+        self.hit_budget.all(keep);
+    }
+
+    /// The words of what one ball is made as.
+    fn make_of(&self, ball: usize, keep: &mut impl FnMut(u64)) {
+        let Ball { body, mass, free_omega, .. } = &self.balls[ball];
+        [body.radius, body.inertia_factor, *mass].all(keep);
+        free_omega.all(keep);
     }
 }
 
@@ -304,21 +325,41 @@ fn checksum(words: &[u64]) -> u64 {
     for word in words {
         hash.word(*word);
     }
-    hash.0
+    hash.end()
 }
 
-/// Mixes words one by one with the finaliser of splitmix64 (Steele, Lea, Flood 2014).
-struct Hash(u64);
+/// Mixes words in four rows, each of which takes every fourth: a row waits for its own last product only. A row keeps what
+/// it was told apart, since each word changes it one to one; the rows are mixed in the end.
+struct Hash {
+    rows: [u64; 4],
+    count: usize,
+}
 
 impl Hash {
+    /// From the digits of pi.
     const fn new() -> Self {
-        Self(0x243f_6a88_85a3_08d3)
+        let rows =
+            [0x243f_6a88_85a3_08d3, 0x1319_8a2e_0370_7344, 0xa409_3822_299f_31d0, 0x082e_fa98_ec4e_6c89];
+        Self { rows, count: 0 }
     }
 
+    #[inline(always)]
     const fn word(&mut self, word: u64) {
-        let mut x = (self.0 ^ word).wrapping_add(0x9e37_79b9_7f4a_7c15);
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        self.0 = x ^ (x >> 31);
+        let row = &mut self.rows[self.count % 4];
+        *row = (*row ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
+        self.count += 1;
     }
+
+    /// The hash of all words, by the finaliser of splitmix64 (Steele, Lea, Flood 2014).
+    const fn end(&self) -> u64 {
+        let [a, b, c, d] = self.rows;
+        finish(finish(finish(finish(self.count as u64 ^ a) ^ b) ^ c) ^ d)
+    }
+}
+
+const fn finish(word: u64) -> u64 {
+    let mut x = word.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
 }

@@ -31,6 +31,7 @@ mod sound;
 mod steer;
 mod succeed;
 
+pub use observe::Observer;
 pub use reseat::{Seat, SeatFault, Spot};
 pub use shards::{Division, SHARDS_MAX, Shard};
 pub use succeed::Successor;

@@ -1,34 +1,66 @@
 //! What a tick shows: states, energy. Read off the arcs when somebody asks; looking changes nothing.
 
-use super::{BallState, Controller};
+use super::{Ball, BallState, Controller};
+use crate::lanes::LANES_MAX;
 use crate::motion::law::{State, angular_velocity, velocity};
-use crate::motion::rotation;
+use crate::motion::look::{self, Look, Sight};
+use crate::motion::rotation::{self, Followed};
 use nalgebra::{Vector2, Vector3};
 
 type V3 = Vector3<f64>;
 
+/// What who looks at a run again and again keeps between looks. It fits any run at any time.
+#[derive(Clone, Debug, Default)]
+pub struct Observer {
+    followed: Vec<Followed>,
+}
+
 impl Controller {
     /// A ball at the controller's time, by id: about 0.3 us on a curved floor, most of it for the orientation.
     pub fn ball(&self, ball: usize) -> BallState {
-        let at = self.holder(ball);
-        let b = &at.balls[ball];
-        let (state, center, normal) = at.seen(ball);
-        let [u, v] = self.surface.uv([state[0], state[1]]);
-        let w = velocity(&state);
-        let (omega, orientation) = if b.body.rolls {
-            let arc = &at.arcs[ball];
-            let dt = at.time.since(arc.start).max(0.0);
-            (angular_velocity(&normal, &w, state[5], b.body.radius), arc.orientation_at(dt))
-        } else {
-            let angle = b.free_omega * self.time.seconds();
-            (b.free_omega, rotation::of_rotation_vector(angle))
-        };
-        BallState { uv: Vector2::new(u, v), center, normal, velocity: w, omega, orientation }
+        let (b, sight) = self.sight(ball);
+        self.shown(b, &Look::at(&self.surface, sight))
     }
 
     /// The balls at the controller's time, by id, each computed as it is asked for.
     pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState> + Clone + '_ {
         (0..self.balls.len()).map(|ball| self.ball(ball))
+    }
+
+    /// Shows all balls at the controller's time, by id: the same states as [`Self::ball`], some computed at once, and
+    /// orientations on from where the same observer last saw them. A third of the time, for who looks again and again.
+    pub fn observe(&self, observer: &mut Observer, mut show: impl FnMut(usize, &BallState)) {
+        let followed = &mut observer.followed;
+        followed.resize(self.balls.len(), Followed::NONE);
+        for (group, followed) in followed.chunks_mut(LANES_MAX).enumerate() {
+            let (first, count) = (group * LANES_MAX, followed.len());
+            let sights: [_; LANES_MAX] =
+                std::array::from_fn(|place| self.sight(first + place.min(count - 1)).1);
+            let mut looks = [Look::NONE; LANES_MAX];
+            look::look(&self.surface, &sights[..count], followed, &mut looks[..count]);
+            for (place, look) in looks[..count].iter().enumerate() {
+                let ball = first + place;
+                show(ball, &self.shown(&self.holder(ball).balls[ball], look));
+            }
+        }
+    }
+
+    /// A ball and its place on its arc at the controller's time.
+    fn sight(&self, ball: usize) -> (&Ball, Sight<'_>) {
+        let at = self.holder(ball);
+        let (b, arc) = (&at.balls[ball], &at.arcs[ball]);
+        (b, Sight { body: &b.body, arc, dt: at.time.since(arc.start).max(0.0) })
+    }
+
+    /// What is seen of a ball, as it is shown.
+    fn shown(&self, b: &Ball, look: &Look) -> BallState {
+        let Look { state, center, normal, mut omega, mut orientation } = *look;
+        if !b.body.rolls {
+            omega = b.free_omega;
+            orientation = rotation::of_rotation_vector(b.free_omega * self.time.seconds());
+        }
+        let [u, v] = self.surface.uv([state[0], state[1]]);
+        BallState { uv: Vector2::new(u, v), center, normal, velocity: velocity(&state), omega, orientation }
     }
 
     /// State, centre and normal at the controller's time.

@@ -130,15 +130,21 @@ impl Arc {
             let (center, normal) = body.seat(surface, &state);
             return (state, center, normal);
         }
-        let theta = dt / self.scale;
+        let mut out = self.read(dt / self.scale);
+        let (center, normal) = body.settle(surface, &mut out);
+        (out, center, normal)
+    }
+
+    /// The state that the polynomials of a curved arc give at `theta`: near the floor's tangent plane, not in it.
+    #[inline(always)]
+    pub(super) fn read(&self, theta: f64) -> State {
         let mut out = self.dense[TERMS - 1];
         for row in self.dense[..TERMS - 1].iter().rev() {
             for (o, c) in out.iter_mut().zip(row) {
                 *o = *o * theta + c;
             }
         }
-        let (center, normal) = body.settle(surface, &mut out);
-        (out, center, normal)
+        out
     }
 
     /// State `dt` seconds after the start and its slope, integrated afresh: what a hit is resolved on.

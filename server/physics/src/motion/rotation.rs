@@ -1,7 +1,7 @@
 //! Turning a ball, without platform sine and cosine: about an axis that stands still, and along an arc.
 
 use super::step::TERMS;
-use crate::lanes::Lanes;
+use crate::lanes::{LANES_MAX, Lanes};
 use crate::number::{Number, Triple, row};
 use crate::tolerance::{
     TURN_BRACKET, TURN_PIECE, TURN_PIECES_MAX, TURN_REMAINDER, TURN_STEPS_PER_SERIES, TURN_TERMS_MAX,
@@ -22,7 +22,7 @@ const RATE_TERMS: usize = TERMS - 1;
 /// (S. Blanes, F. Casas, J. Ros, "Improved high order integrators based on the Magnus expansion", BIT 40, 2000); where
 /// those would be many, the quaternion is summed as its own power series, of any order that the wanted error needs. The pieces stand
 /// fixed, so that a look depends on its own time alone.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turning {
     /// Integral of the angular velocity in powers of theta, rad; zero when sliding.
     pub turn: [V3; TERMS],
@@ -92,7 +92,8 @@ impl Turning {
     /// An orientation turned on from theta = `from` by `h`.
     fn turned(&self, q: [f64; 4], from: f64, h: f64) -> [f64; 4] {
         let by = if self.magnus {
-            exponential(magnus(&self.turn, from + 0.5 * h, h), self.doublings)
+            let angle = magnus(rates(&self.turn, h), from + 0.5 * h, h);
+            exponential(angle, f64::from(self.doublings), self.doublings)
         } else {
             series(&rate_from(&self.turn, from, h), self.left_out)
         };
@@ -154,9 +155,11 @@ impl WithSimd for Steps<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> [f64; 4] {
         let Self { turning, mut q, pieces } = self;
         let length = 1.0 / f64::from(turning.pieces);
+        let each = Lanes::new(simd, |_| length);
+        let (rates, doublings) = (rates(&turning.turn, each), each.like(f64::from(turning.doublings)));
         for first in pieces.clone().step_by(S::F64_LANES) {
             let middle = Lanes::new(simd, |lane| f64::from(first + lane as u32) * length + 0.5 * length);
-            let by = exponential(magnus(&turning.turn, middle, middle.like(length)), turning.doublings);
+            let by = exponential(magnus(rates, middle, each), doublings, turning.doublings);
             let count = S::F64_LANES.min((pieces.end - first) as usize);
             for lane in 0..count {
                 q = compose([by[0].lane(lane), by[1].lane(lane), by[2].lane(lane), by[3].lane(lane)], q);
@@ -166,15 +169,21 @@ impl WithSimd for Steps<'_> {
     }
 }
 
-/// Rotation vector of the piece of length `h` around `middle`.
+/// Coefficients of the angular velocity that `turn` is the integral of, the same in every lane.
 #[inline(always)]
-fn magnus<T: Number>(turn: &[V3; TERMS], middle: T, h: T) -> Triple<T> {
-    // The rate and its derivatives over factorials at the middle: a Taylor shift.
-    let mut rate = [Triple([h; 3]); RATE_TERMS];
+fn rates<T: Number>(turn: &[V3; TERMS], of: T) -> [Triple<T>; RATE_TERMS] {
+    let mut rate = [Triple([of; 3]); RATE_TERMS];
     for k in 0..RATE_TERMS {
         let c = turn[k + 1] * (k + 1) as f64;
-        rate[k] = Triple(row(h, &[c.x, c.y, c.z]));
+        rate[k] = Triple(row(of, &[c.x, c.y, c.z]));
     }
+    rate
+}
+
+/// Rotation vector of the piece of length `h` around `middle`, of a rate in powers of theta.
+#[inline(always)]
+fn magnus<T: Number>(mut rate: [Triple<T>; RATE_TERMS], middle: T, h: T) -> Triple<T> {
+    // The rate and its derivatives over factorials at the middle: a Taylor shift.
     for k in 0..RATE_TERMS - 1 {
         for i in (k..RATE_TERMS - 1).rev() {
             rate[i] = rate[i] + rate[i + 1] * middle;
@@ -246,7 +255,8 @@ fn series(rate: &[V3; RATE_TERMS], left_out: f64) -> [f64; 4] {
 /// Quaternion (x, y, z, w) of the rotation by |`angle`| about `angle`: the error grows with the angle, about 1e-16 per
 /// radian.
 pub fn of_rotation_vector(angle: V3) -> [f64; 4] {
-    exponential(angle.into(), doublings(angle.norm()))
+    let doublings = doublings(angle.norm());
+    exponential(angle.into(), f64::from(doublings), doublings)
 }
 
 /// Halvings after which half of `angle` is at most 1/4.
@@ -259,14 +269,14 @@ fn doublings(angle: f64) -> u32 {
     count
 }
 
-/// The same quaternion. The half angle is halved as often as `doublings` says, to below 1/4 where Taylor series are exact
-/// to rounding, and the quaternion is squared as often.
+/// The same quaternion. The half angle is halved as often as `doublings` says, at `most`, to below 1/4 where Taylor series
+/// are exact to rounding, and the quaternion is squared as often.
 #[inline(always)]
-fn exponential<T: Number>(angle: Triple<T>, doublings: u32) -> [T; 4] {
+fn exponential<T: Number>(angle: Triple<T>, doublings: T, most: u32) -> [T; 4] {
     let of = angle.0[0];
     let mut half = angle * of.like(0.5);
-    for _ in 0..doublings {
-        half = half * of.like(0.5);
+    for count in 0..most {
+        half = Triple::where_less(of.like(f64::from(count)), doublings, half * of.like(0.5), half);
     }
     let x = half.dot(half);
     // sin(s)/s and 1 - cos(s) for s^2 = x <= 1/16; the first terms left out are below 1e-17.
@@ -279,13 +289,14 @@ fn exponential<T: Number>(angle: Triple<T>, doublings: u32) -> [T; 4] {
     let one = of.like(1.0);
     let mut v = half * (one + sinc * x);
     let mut w = one - versine * x;
-    for _ in 0..doublings {
+    for count in 0..most {
         // (v, w)^2 = (2 w v, w^2 - v^2), brought back to unit length.
         let next = w * w - v.dot(v);
-        v = v * (w + w);
-        let inverse = one / (next * next + v.dot(v)).sqrt();
-        v = v * inverse;
-        w = next * inverse;
+        let twice = v * (w + w);
+        let inverse = one / (next * next + twice.dot(twice)).sqrt();
+        let count = of.like(f64::from(count));
+        v = Triple::where_less(count, doublings, twice * inverse, v);
+        w = count.where_less(doublings, next * inverse, w);
     }
     let Triple([x, y, z]) = v;
     [x, y, z, w]
@@ -299,17 +310,110 @@ const VERSINE: [f64; 6] =
     [1.0 / 2.0, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0, -1.0 / 479_001_600.0];
 
 /// The rotation `after` applied after `before`.
-pub fn compose(after: [f64; 4], before: [f64; 4]) -> [f64; 4] {
-    let (a, b) = (Vector3::new(after[0], after[1], after[2]), Vector3::new(before[0], before[1], before[2]));
-    let v = b * after[3] + a * before[3] + a.cross(&b);
-    [v.x, v.y, v.z, after[3] * before[3] - a.dot(&b)]
+#[inline(always)]
+pub fn compose<T: Number>(after: [T; 4], before: [T; 4]) -> [T; 4] {
+    let ([ax, ay, az, aw], [bx, by, bz, bw]) = (after, before);
+    let (a, b) = (Triple([ax, ay, az]), Triple([bx, by, bz]));
+    let Triple([x, y, z]) = b * aw + a * bw + a.cross(b);
+    [x, y, z, aw * bw - a.dot(b)]
 }
 
 /// A quaternion brought back to unit length.
-pub fn unit(q: [f64; 4]) -> [f64; 4] {
-    let length = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
-    let inverse = 1.0 / length;
-    if length > 0.0 { q.map(|x| x * inverse) } else { [0.0, 0.0, 0.0, 1.0] }
+#[inline(always)]
+pub fn unit<T: Number>([x, y, z, w]: [T; 4]) -> [T; 4] {
+    let length = (x * x + y * y + z * z + w * w).sqrt();
+    let (zero, one) = (x.like(0.0), x.like(1.0));
+    let inverse = one / length;
+    let of = |part: T, none: T| zero.where_less(length, part * inverse, none);
+    [of(x, zero), of(y, zero), of(z, zero), of(w, one)]
+}
+
+/// How far a course has been followed: a later look goes on from there, to the same bits.
+#[derive(Clone, Copy, Debug)]
+pub struct Followed {
+    course: Turning,
+    /// Whole pieces, and the orientation after them.
+    pieces: u32,
+    orientation: [f64; 4],
+}
+
+impl Followed {
+    /// Nothing followed.
+    pub const NONE: Self = Self { course: Turning::STILL, pieces: 0, orientation: Turning::STILL.start };
+
+    /// Goes back to the start of a course, unless it was followed before and not beyond `pieces`: all that an orientation
+    /// follows from is compared.
+    fn begin(&mut self, course: &Turning, pieces: u32) {
+        if self.pieces > pieces || self.course != *course {
+            *self = Self { course: *course, pieces: 0, orientation: course.start };
+        }
+    }
+}
+
+/// Whether balls can be turned by [`follow`] on the courses and to the thetas given.
+pub(super) fn can_follow(balls: &[(&Turning, f64)]) -> bool {
+    balls.iter().all(|(course, theta)| course.magnus && course.pieces > 0 && *theta > 0.0)
+}
+
+/// The orientations of at most as many balls as there are lanes, by [`Turning::at`] lane by lane. Lanes without a ball
+/// repeat the first.
+#[inline(always)]
+pub(super) fn follow<S: Simd>(
+    simd: S,
+    balls: &[(&Turning, f64)],
+    followed: &mut [Followed],
+) -> [Lanes<S>; 4] {
+    let (mut thetas, mut lengths, mut wholes) = ([0.0; LANES_MAX], [0.0; LANES_MAX], [0; LANES_MAX]);
+    let (mut done, mut starts) = ([0; LANES_MAX], [[0.0; 4]; LANES_MAX]);
+    let (mut most, mut doublings_most) = (0, 0);
+    for lane in 0..S::F64_LANES {
+        let ball = if lane < balls.len() { lane } else { 0 };
+        let (course, theta) = balls[ball];
+        let h = 1.0 / f64::from(course.pieces);
+        let whole = (theta / h) as u32;
+        (thetas[lane], lengths[lane], wholes[lane]) = (theta, h, whole);
+        followed[ball].begin(course, whole);
+        (done[lane], starts[lane]) = (followed[ball].pieces, followed[ball].orientation);
+        most = most.max(whole - done[lane]);
+        doublings_most = doublings_most.max(course.doublings);
+    }
+    let of = |lane: usize| balls[if lane < balls.len() { lane } else { 0 }].0;
+    let theta = Lanes::new(simd, |lane| thetas[lane]);
+    let length = Lanes::new(simd, |lane| lengths[lane]);
+    let whole = Lanes::new(simd, |lane| f64::from(wholes[lane]));
+    let done = Lanes::new(simd, |lane| f64::from(done[lane]));
+    let doublings = Lanes::new(simd, |lane| f64::from(of(lane).doublings));
+    let half = theta.like(0.5);
+    let mut rate = [Triple([theta; 3]); RATE_TERMS];
+    for k in 0..RATE_TERMS {
+        for axis in 0..3 {
+            rate[k].0[axis] = Lanes::new(simd, |lane| of(lane).turn[k + 1][axis]) * (k + 1) as f64;
+        }
+    }
+    let mut q = [theta; 4];
+    for part in 0..4 {
+        q[part] = Lanes::new(simd, |lane| starts[lane][part]);
+    }
+    for ahead in 0..most {
+        let piece = done + theta.like(f64::from(ahead));
+        let angle = magnus(rate, piece * length + half * length, length);
+        let next = compose(exponential(angle, doublings, doublings_most), q);
+        for part in 0..4 {
+            q[part] = piece.where_less(whole, next[part], q[part]);
+        }
+    }
+    for (lane, followed) in followed.iter_mut().enumerate() {
+        followed.pieces = wholes[lane];
+        followed.orientation = [q[0].lane(lane), q[1].lane(lane), q[2].lane(lane), q[3].lane(lane)];
+    }
+    // The last piece is not whole, or none.
+    let from = whole * length;
+    let h = theta - from;
+    let next = compose(exponential(magnus(rate, from + half * h, h), doublings, doublings_most), q);
+    for part in 0..4 {
+        q[part] = from.where_less(theta, next[part], q[part]);
+    }
+    unit(q)
 }
 
 #[cfg(test)]

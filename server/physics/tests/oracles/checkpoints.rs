@@ -2,7 +2,7 @@
 
 use crate::scenes::{all_bits, bits, center, cloud, graph, load, moving, original, plane, random};
 use ballroom_physics::{
-    Accuracy, Checkpoint, CheckpointFault, Controller, Drive, MotionLaw, Scene, Scheme, Time,
+    Accuracy, Checkpoint, CheckpointFault, Controller, Drive, MotionLaw, Observer, Scene, Scheme, Time,
 };
 use nalgebra::Vector2;
 
@@ -43,6 +43,28 @@ fn steer(engine: &mut Controller, tick: u64) {
 fn tick(engine: &mut Controller, tick: u64) {
     steer(engine, tick);
     engine.advance_to(Time::of_tick(tick + 1, RATE_HZ));
+}
+
+#[test]
+fn an_observer_sees_every_ball_as_it_is_seen_alone_whatever_it_saw_before() {
+    for (name, scene) in scenes() {
+        let (mut engine, mut observer) = (load(&scene), Observer::default());
+        let start = engine.checkpoint();
+        for again in 0..2 {
+            for at in 0..60 {
+                // At the first all arcs begin, later at no two balls the same.
+                engine.advance_to(Time::of_tick(at, 17 + 6 * again));
+                let mut seen = 0;
+                engine.observe(&mut observer, |ball, state| {
+                    assert_eq!(ball, seen);
+                    assert_eq!(bits(state), bits(&engine.ball(ball)), "{name}, ball {ball} at {at}");
+                    seen += 1;
+                });
+                assert_eq!(seen, engine.balls().len());
+            }
+            engine.restore(&start).expect("its own checkpoint");
+        }
+    }
 }
 
 /// Every bit that is shown or counted.
@@ -215,4 +237,36 @@ fn the_hash_sees_a_single_bit_of_a_single_ball() {
     let (one, other) = (hash(false), hash(true));
     assert_ne!(one.0, other.0);
     assert_eq!(one.1, other.1);
+}
+
+/// A change of a scene, by name.
+type Change = (&'static str, fn(&mut Scene));
+
+#[test]
+fn the_hash_sees_every_law_and_what_every_ball_is_made_as() {
+    let changes: [Change; 9] = [
+        ("mass", |scene| scene.balls[17].mass *= 2.0),
+        ("radius", |scene| scene.balls[17].radius *= 0.999),
+        ("inertia factor", |scene| scene.balls[17].inertia_factor *= 0.5),
+        ("spin", |scene| scene.balls[17].spin += 1.0),
+        ("restitution", |scene| scene.restitution = 0.5),
+        ("gravity", |scene| scene.gravity.z *= 1.5),
+        ("a wall", |scene| scene.walls[0].point.x += 1e-9),
+        ("accuracy", |scene| scene.accuracy = Accuracy::Tolerance(1e-10)),
+        ("hit budget", |scene| scene.hit_budget += 1),
+    ];
+    let scenes = scenes();
+    for (name, scene) in &scenes[1..3] {
+        let plain = load(scene);
+        for (what, change) in changes {
+            // Without friction nothing turns a ball: how hard that is does not matter.
+            if what == "inertia factor" && scene.motion == MotionLaw::Frictionless {
+                continue;
+            }
+            let mut scene = scene.clone();
+            change(&mut scene);
+            let changed = load(&scene);
+            assert_ne!(changed.state_hash(), plain.state_hash(), "{name}: {what}");
+        }
+    }
 }
