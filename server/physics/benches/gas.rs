@@ -1,9 +1,9 @@
-//! What a gas costs, on a bowl and on a plane, for 100 to 100 000 balls:
-//! `cargo bench -p ballroom-physics --bench gas -- [bowl|plane] [balls ...] [--seconds S] [--look]`.
+//! What a gas costs, on a bowl and on a plane, for 10 to 100 000 balls, and a crowd of radii 1000 : 1 with so many grains of
+//! dust: `cargo bench -p ballroom-physics --bench gas -- [bowl|plane|dusty] [balls ...] [--seconds S] [--look]`.
 //!
 //! Each run is advanced by ticks of 60 Hz for S simulated seconds (2, or fewer for many balls) after half a second of
 //! warming up. Nothing but the last state is looked at; with `--look` every ball is read at every tick, orientation
-//! and all. CPU is the process's own time. Overlap is the deepest at any impact, in radii; energy the relative change.
+//! and all. CPU is the process's own time. Overlap is the deepest at any impact, in the smallest radii; energy the relative change.
 //! The exponent is the slope of the logarithms of cost and number by least squares.
 
 use ballroom_cases::gas;
@@ -12,7 +12,9 @@ use cpu_time::ProcessTime;
 
 const RATE_HZ: u64 = 60;
 const WARM_UP_TICKS: u64 = RATE_HZ / 2;
-const COUNTS: [usize; 4] = [100, 1_000, 10_000, 100_000];
+const COUNTS: [usize; 5] = [10, 100, 1_000, 10_000, 100_000];
+/// Grains of dust.
+const DUST: [usize; 3] = [0, 1_000, 3_000];
 
 struct Options {
     floors: Vec<String>,
@@ -28,15 +30,12 @@ fn options() -> Options {
         match word.as_str() {
             "--seconds" => options.seconds = words.next().and_then(|s| s.parse().ok()),
             "--look" => options.look = true,
-            "bowl" | "plane" => options.floors.push(word),
+            "bowl" | "plane" | "dusty" => options.floors.push(word),
             word => options.counts.extend(word.parse::<usize>()),
         }
     }
     if options.floors.is_empty() {
-        options.floors = ["bowl", "plane"].map(String::from).to_vec();
-    }
-    if options.counts.is_empty() {
-        options.counts = COUNTS.to_vec();
+        options.floors = ["bowl", "plane", "dusty"].map(String::from).to_vec();
     }
     options
 }
@@ -56,15 +55,20 @@ fn main() {
             "overlap/r",
             "state hash"
         );
-        let costs: Vec<(f64, f64)> = options
-            .counts
+        let usual: &[usize] = if floor == "dusty" { &DUST } else { &COUNTS };
+        let counts = if options.counts.is_empty() { usual } else { &options.counts };
+        let costs: Vec<(f64, f64)> = counts
             .iter()
             .map(|count| {
-                let scene = if floor == "plane" { gas::on_a_plane(*count) } else { gas::on_a_bowl(*count) };
-                (*count as f64, measure(&scene, &options))
+                let scene = match floor.as_str() {
+                    "plane" => gas::on_a_plane(*count),
+                    "dusty" => gas::dusty(*count),
+                    _ => gas::on_a_bowl(*count),
+                };
+                (scene.balls.len() as f64, measure(&scene, &options))
             })
             .collect();
-        if costs.len() > 1 {
+        if costs.len() > 1 && floor != "dusty" {
             println!("{floor}: cost grows as N^{:.3}", exponent(&costs));
         }
     }
@@ -73,6 +77,7 @@ fn main() {
 /// CPU seconds a simulated second.
 fn measure(scene: &Scene, options: &Options) -> f64 {
     let count = scene.balls.len();
+    let smallest = scene.balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
     let seconds = options.seconds.unwrap_or_else(|| (2e4 / count as f64).clamp(1.0, 20.0));
     let ticks = (seconds * RATE_HZ as f64).ceil() as u64;
     let mut engine = Controller::new(scene).unwrap_or_else(|fault| panic!("the gas is refused: {fault}"));
@@ -93,7 +98,7 @@ fn measure(scene: &Scene, options: &Options) -> f64 {
         hit / cpu,
         (after.steps - before.steps) as f64 / hit,
         (engine.energy() / energy - 1.0).abs(),
-        after.deepest_penetration / gas::RADIUS,
+        after.deepest_penetration / smallest,
         engine.state_hash(),
     );
     cpu / span

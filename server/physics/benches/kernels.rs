@@ -19,6 +19,8 @@ use std::hint::black_box;
 const SECONDS: u32 = 10;
 /// Ticks a second at which errors are looked for.
 const RATE_HZ: u32 = 60;
+/// Evaluations of the right-hand side in a step that is kept, its first one and those of its dense output with it.
+const STAGES: u32 = 16;
 /// Free balls at once.
 const BALLS: usize = 1000;
 
@@ -26,6 +28,7 @@ fn main() {
     println!("{:<44}{:>12}{:>14}", "", "us per s", "error, m");
     for tolerance in [1e-9, 1e-12] {
         alone(tolerance);
+        bound(tolerance);
         free(tolerance);
     }
 }
@@ -67,6 +70,24 @@ fn scene(tolerance: f64) -> Scene {
         accuracy: Accuracy::Tolerance(tolerance),
         hit_budget: HIT_BUDGET,
     }
+}
+
+/// What one ball cannot go below: its evaluations of the right-hand side, each of which waits for the one before.
+fn bound(tolerance: f64) {
+    let mut engine = Controller::new(&scene(tolerance)).expect("a good scene");
+    engine.advance_to(Time::of_seconds(f64::from(SECONDS)));
+    let evaluations = engine.report().steps * u64::from(STAGES) / u64::from(SECONDS);
+    let free = Free::new(tolerance);
+    let (surface, body) = (&free.surface, &free.bodies[0]);
+    let mut state = free.arcs[0].state;
+    let calls = 1000;
+    let each = least(30, calls, || {
+        let slope = body.slope(surface, &state);
+        state.iter_mut().zip(&slope).for_each(|(y, s)| *y += 1e-12 * s);
+    });
+    black_box(state);
+    let what = format!("alone, {tolerance:.0e} m, bound: {evaluations} of {:.0} ns", 1e9 * each);
+    println!("{what:<44}{:>12.2}", evaluations as f64 * each * 1e6);
 }
 
 fn row(what: &str, us: f64, error: f64) {

@@ -67,9 +67,11 @@ pub const TURN_MAX: f64 = 64.0 * QUANTUM;
 /// Centre travel in one detection window, in radii. More makes windows rarer and neighbours more; 2 is near
 /// the minimum for a gas that covers a fifth of the floor, and the minimum is flat.
 pub const WINDOW_TRAVEL: f64 = 2.0;
-/// The same over the floor's longer side, where that is more: a grain of dust would open a window every micrometre.
-/// More lets a crowd on a vast floor look at many neighbours, less makes dust slow.
-pub const WINDOW_FLOOR_SHARE: f64 = 1.0 / 65_536.0;
+/// The same over the floor's longer side, where that is more: a grain of dust of 1 mm at 1 m/s would open a thousand windows
+/// a second to see nobody. With a thousand grains among large balls on 16 m a second costs a third of what it does at
+/// 1/65536; a gas that covers a fifth of a floor 600 diameters wide does not feel it. More lets a crowd on a vast floor look
+/// at many neighbours, less makes dust slow.
+pub const WINDOW_FLOOR_SHARE: f64 = 1.0 / 1_024.0;
 /// Longest window, s.
 pub const WINDOW_MAX: f64 = 1.0;
 /// Shortest window, s: 2^-40.
@@ -106,6 +108,12 @@ pub const TOUCH_ULPS: f64 = 4.0;
 pub const TOUCH_CURVED: f64 = 1e-13;
 /// Overlap that a scene may start with, in ulps.
 pub const OVERLAP_ULPS: f64 = 4.0;
+
+/// What the search ahead leaves between a hit and the times at which another ball might touch as well, s: hits are moved by
+/// less when they are landed on, and a smaller one would leave less than [`POLISH`] between balls.
+pub const ALONE_MARGIN: f64 = 1.0 / 1_048_576.0;
+/// Closing speed from which balls are surely apart a margin before they hit, m/s. Slower ones are looked at again.
+pub const ALONE_CLOSING: f64 = 1.0 / 64.0;
 
 /// Correction of a hit's place below which it is applied to first order, m.
 pub const POLISH: f64 = 1e-9;
@@ -173,4 +181,6 @@ const _: () = assert!(STEP_MIN < STEP_FIRST && STEP_FIRST <= STEP_MAX);
 const _: () = assert!(STEP_MARGIN < 1.0 && SHRINK_MAX < STEP_MARGIN && GROWTH_MAX >= 17.0 / 16.0);
 const _: () = assert!(WINDOW_MIN < WINDOW_MAX);
 const _: () = assert!(TOUCH_CURVED < POLISH);
+/// A hit may be moved by half the margin, and what is left is more than anything that counts as touching.
+const _: () = assert!(0.5 * ALONE_MARGIN * ALONE_CLOSING > 4.0 * POLISH);
 const _: () = assert!(REST_SPEED < HOP_SPEED && HOP_SPEED < HOLD_SPEED);

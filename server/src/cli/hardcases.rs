@@ -9,8 +9,8 @@ use std::time::Instant;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Each case is a scene with an exact answer. A demand is met when the number measured is at most the one demanded. Ids
-are chosen by how they begin; numbers in them are taken whole, so that H1 does not mean H10. The time is wall time of
-the whole case, on one thread. The exit code is 1 if a demand is not met.
+are chosen by how they begin; numbers in them are taken whole, so that H1 does not mean H10. B16, B19 and B20 stand among
+the hard cases, as H1, H3/fifth and H2. The time is wall time of the whole case, on one thread. The exit code is 1 if a demand is not met.
 
 Examples:
   ballroom hardcases

@@ -14,6 +14,11 @@ const HIT_BUDGET: u32 = 1_000;
 /// Part of the floor that balls may cover.
 const COVERED: f64 = 0.2;
 
+/// Part of the nets of points whose degree goes up to 12, not 6.
+const HIGH_DEGREES: f64 = 0.1;
+/// Part of the scenes without a lattice whose radii go down to a thousandth of the largest, not to a third.
+const DUSTY: f64 = 0.15;
+
 /// A scene and its script.
 pub struct Case {
     pub scene: Scene,
@@ -42,11 +47,15 @@ pub fn case(seed: u64) -> Case {
         accuracy: accuracy(random),
         walls: walls(random, middle, half, [x_m, y_m]),
         floor,
-        steering: Steering::default(),
+        steering: Steering {
+            impulse_m_per_s: random.between(0.5, 3.0),
+            acceleration_m_per_s2: random.between(0.5, 8.0),
+            speed_limit_m_per_s: random.between(1.0, 8.0),
+        },
         balls,
         clouds: vec![],
     };
-    let script = script(random, scene.balls.len());
+    let script = script(random, &scene);
     Case { scene, script }
 }
 
@@ -107,7 +116,9 @@ fn floor(random: &mut Random, x_m: [f64; 2], y_m: [f64; 2], dyadic: bool) -> Flo
 
 /// Heights over a grid, or points in full whose inner ones are shifted sideways; borders stay straight for the walls.
 fn net(random: &mut Random, [x_m, y_m]: [[f64; 2]; 2], rise: f64, kind: usize) -> Floor {
-    let degree = [1 + random.below(6), 1 + random.below(6)];
+    // High degrees take long to certify.
+    let most = if random.chance(HIGH_DEGREES) { 12 } else { 6 };
+    let degree = [1 + random.below(most), 1 + random.below(most)];
     let row = |random: &mut Random| (0..=degree[0]).map(|_| rise * random.between(-1.0, 1.0)).collect();
     let heights: Vec<Vec<f64>> = (0..=degree[1]).map(|_| row(random)).collect();
     if kind < 5 {
@@ -149,13 +160,15 @@ fn scattered(random: &mut Random, middle: [f64; 2], half: f64) -> Vec<Ball> {
     let count = 1 + (40.0 * random.unit() * random.unit()) as usize;
     let largest = (COVERED * half * half / count as f64).sqrt().min(0.2 * half);
     let (spread, speed) = (random.chance(0.3), random.between(0.0, 4.0));
+    let smallest: f64 = if random.chance(DUSTY) { 1e-3 } else { 0.3 };
     let mut balls: Vec<Ball> = vec![];
     let mut places: Vec<([f64; 2], f64)> = vec![];
     for _ in 0..50 * count {
         if balls.len() == count {
             break;
         }
-        let radius = largest * random.between(0.3, 1.0);
+        // As many of each decade.
+        let radius = largest * smallest.powf(random.unit());
         let place = random.pair(half - 1.6 * radius);
         let room = |(p, r): &([f64; 2], f64)| {
             // A third more than the reach leaves room for the slope between contact and centre.
@@ -223,7 +236,8 @@ fn ball(random: &mut Random, number: usize, radius_m: f64, mass_kg: f64) -> Ball
         velocity_m_per_s: [0.0; 3],
         spin_rad_per_s: 0.0,
         color: None,
-        player: number == 0,
+        // Commands of players reach every ball.
+        player: true,
         tags: vec![],
     }
 }
@@ -238,23 +252,25 @@ pub fn bystander(seed: u64, scene: &Scene) -> Ball {
 }
 
 /// Up to six deeds from outside at random beats.
-fn script(random: &mut Random, balls: usize) -> Vec<Act> {
-    if balls == 0 || random.chance(0.3) {
+fn script(random: &mut Random, scene: &Scene) -> Vec<Act> {
+    if scene.balls.is_empty() || random.chance(0.3) {
         return vec![];
     }
+    let Steering { impulse_m_per_s, acceleration_m_per_s2, speed_limit_m_per_s: limit } = scene.steering;
     let act = |random: &mut Random| {
-        let limit = random.between(1.0, 8.0);
+        let ball = random.below(scene.balls.len());
+        let radius = scene.balls[ball].radius_m;
         let deed = match random.below(4) {
-            0 => Deed::Push { delta: random.pair(2.0), limit },
-            1 => Deed::Drive { direction: random.pair(0.7), acceleration: random.between(0.5, 8.0), limit },
+            0 => Deed::Push { direction: random.pair(0.7), impulse: impulse_m_per_s, limit },
+            1 => Deed::Drive { direction: random.pair(0.7), acceleration: acceleration_m_per_s2, limit },
             2 => Deed::Set {
-                by_radii: random.pair(3.0),
+                by: random.pair(3.0 * radius),
                 velocity: random.pair(2.0),
                 spin: random.between(-5.0, 5.0),
             },
             _ => Deed::Release,
         };
-        Act { beat: random.below(BEATS as usize) as u64, ball: random.below(balls), deed }
+        Act { beat: random.below(BEATS as usize) as u64, ball, deed }
     };
     let mut script: Vec<Act> = (0..=random.below(6)).map(|_| act(random)).collect();
     script.sort_by_key(|act| act.beat);

@@ -68,14 +68,14 @@ pub fn hold_when_permuted(seed: u64, loaded: &LoadedScene, script: &[Act], run: 
 }
 
 /// The scene as a net and its mirror image across x = 0 run as mirror images. The mirror negates coordinates and keeps
-/// parameters.
-pub fn hold_in_a_mirror(loaded: &LoadedScene, start: &Controller, script: &[Act]) -> Result<(), String> {
+/// parameters. Returns false if the net is refused.
+pub fn hold_in_a_mirror(loaded: &LoadedScene, start: &Controller, script: &[Act]) -> Result<bool, String> {
     let mut scene = loaded.physics().clone();
     let mut engine = start.clone();
     if matches!(scene.floor, Floor::Polynomial { .. }) {
         scene = as_net(&scene);
         // What a net rounds may lie outside by an ulp.
-        let Ok(net) = Controller::new(&scene) else { return Ok(()) };
+        let Ok(net) = Controller::new(&scene) else { return Ok(false) };
         engine = net;
     }
     let mut image = Controller::new(&mirrored(&scene)).map_err(|e| format!("its mirror image: {e}"))?;
@@ -91,7 +91,7 @@ pub fn hold_in_a_mirror(loaded: &LoadedScene, start: &Controller, script: &[Act]
             return Err(format!("in a mirror, ball {id} differs after beat {beat}"));
         }
     }
-    Ok(())
+    Ok(true)
 }
 
 /// With a ball added that meets nobody: it is known to have met nobody because no hit of the run names it and another

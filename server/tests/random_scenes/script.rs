@@ -18,19 +18,22 @@ pub struct Act {
 
 #[derive(Clone, Copy, Debug)]
 pub enum Deed {
+    /// As a player's press: a direction of length at most 1, the speed it adds at length 1, and the speed limit, m/s.
     Push {
-        delta: [f64; 2],
+        direction: [f64; 2],
+        impulse: f64,
         limit: f64,
     },
+    /// As a key held: the same with an acceleration, m/s^2.
     Drive {
         direction: [f64; 2],
         acceleration: f64,
         limit: f64,
     },
     Release,
-    /// Elsewhere by so many radii, at another velocity and spin, where there is room.
+    /// Elsewhere by so many metres, at another velocity and spin, where there is room.
     Set {
-        by_radii: [f64; 2],
+        by: [f64; 2],
         velocity: [f64; 2],
         spin: f64,
     },
@@ -46,9 +49,9 @@ impl Act {
     /// The same in a mirror across x = 0.
     pub fn mirrored(mut self) -> Self {
         match &mut self.deed {
-            Deed::Push { delta: way, .. } | Deed::Drive { direction: way, .. } => way[0] = -way[0],
-            Deed::Set { by_radii, velocity, spin } => {
-                (by_radii[0], velocity[0], *spin) = (-by_radii[0], -velocity[0], -*spin);
+            Deed::Push { direction: way, .. } | Deed::Drive { direction: way, .. } => way[0] = -way[0],
+            Deed::Set { by, velocity, spin } => {
+                (by[0], velocity[0], *spin) = (-by[0], -velocity[0], -*spin);
             }
             Deed::Release => {}
         }
@@ -56,16 +59,18 @@ impl Act {
     }
 
     /// False if it was refused.
-    fn apply(&self, engine: &mut Controller, id: usize, radius: f64) -> bool {
+    fn apply(&self, engine: &mut Controller, id: usize) -> bool {
         match self.deed {
-            Deed::Push { delta, limit } => engine.push(id, Vector2::from(delta), limit),
+            Deed::Push { direction, impulse, limit } => {
+                engine.push(id, Vector2::from(direction) * impulse, limit);
+            }
             Deed::Drive { direction, acceleration, limit } => {
                 let direction = Vector2::from(direction);
                 engine.drive(id, Some(Drive { direction, acceleration, speed_limit: limit }));
             }
             Deed::Release => engine.drive(id, None),
-            Deed::Set { by_radii, velocity: [vx, vy], spin } => {
-                let center = engine.ball(id).center.xy() + Vector2::from(by_radii) * radius;
+            Deed::Set { by, velocity: [vx, vy], spin } => {
+                let center = engine.ball(id).center.xy() + Vector2::from(by);
                 let Ok(spot) = engine.spot(id, center) else { return false };
                 let velocity = Some(Vector3::new(vx, vy, 0.0));
                 let seat = Seat { ball: id, spot: Some(spot), velocity, spin: Some(spin) };
@@ -86,10 +91,7 @@ pub fn act(engine: &mut Controller, script: &[Act], beat: u64, index: impl Fn(us
     for act in script.iter().filter(|act| act.beat == beat) {
         let place = index(act.ball);
         let id = engine.scene_index().iter().position(|p| *p == place);
-        let id = id.expect("the ball is in the scene");
-        let ball = engine.ball(id);
-        let radius = (ball.center - engine.patch().jet(ball.uv.x, ball.uv.y).point).norm();
-        refused += u64::from(!act.apply(engine, id, radius));
+        refused += u64::from(!act.apply(engine, id.expect("the ball is in the scene")));
     }
     refused
 }

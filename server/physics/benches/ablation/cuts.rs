@@ -84,6 +84,7 @@ pub const CUTS: &[Cut] = &[
         edits: &[
             ("motion/body.rs", "if surface.is_flat() {", "if true {"),
             ("motion/arc.rs", "if self.path != Path::Curved {", "if true {"),
+            ("motion/arc.rs", "if self.path == Path::Curved {", "if false {"),
             ("motion/arc.rs", "Path::Curved => body.land(", "Path::Curved if false => body.land("),
             ("motion/arc.rs", "Path::Parabola => {", "Path::Parabola | Path::Curved => {"),
             ("detect/ball_ball.rs", "if both_parabolas && ", "if true || "),
@@ -118,11 +119,20 @@ pub const CUTS: &[Cut] = &[
     Cut {
         feature: "impacts of more than two bodies",
         unused_by: GASES,
-        edits: &[(
-            "controller/collide.rs",
-            "self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });",
-            "",
-        )],
+        edits: &[
+            ("controller/collide.rs", "if !self.is_clear_of_others(&cluster, time, event) {", "if false {"),
+            ("controller/predict.rs", "if approach.stays_clear() {", "if approach.stays_apart() {"),
+            (
+                "controller/predict.rs",
+                "if comes_briskly(here, there, acceleration, reach, t) {",
+                "if false {",
+            ),
+            (
+                "controller/predict.rs",
+                "} else if parts_briskly(here, there, acceleration, duration) {",
+                "} else if false {",
+            ),
+        ],
     },
     Cut {
         feature: "holding balls whose hits pile up",

@@ -18,9 +18,19 @@ pub struct UnknownCase {
     pub nearest: String,
 }
 
+/// Closed forms that are shown among the hard cases, and how the ids of their cases begin there.
+const ALSO: [(&str, &str); 3] = [("B16", "H1"), ("B19", "H3/fifth"), ("B20", "H2")];
+
 /// The cases whose ids begin with one of `prefixes`, or every case if there are none. A number is taken whole: `H1` is
-/// not the beginning of `H10/wedge`.
+/// not the beginning of `H10/wedge`. `B16` means `H1`, where pi is counted, `B19` the one ball onto two of `H3/fifth`,
+/// `B20` the cradle `H2`.
 pub fn select(prefixes: &[String]) -> Result<Vec<Case>, UnknownCase> {
+    let other = |prefix: &String| {
+        let bare = prefix.strip_suffix('/').unwrap_or(prefix);
+        ALSO.iter().find(|(name, _)| *name == bare).map_or_else(|| prefix.clone(), |(_, id)| (*id).to_owned())
+    };
+    let prefixes: Vec<String> = prefixes.iter().map(other).collect();
+    let prefixes = &prefixes;
     let mut cases: Vec<Case> = all().collect();
     for prefix in prefixes {
         if !cases.iter().any(|case| begins(&case.id, prefix)) {
@@ -81,6 +91,18 @@ mod tests {
     fn a_number_at_the_end_of_a_prefix_is_taken_whole() {
         assert!(begins("H1/1e4", "H1") && begins("H1/1e4", "H") && begins("H1/1e4", "H1/1e4"));
         assert!(!begins("H10/wedge", "H1") && !begins("H1/1e12", "H1/1e1"));
+    }
+
+    #[test]
+    fn closed_forms_among_the_hard_cases_are_found_by_their_own_names() {
+        let found = |name: &str| -> Vec<String> {
+            select(&[name.to_owned()]).unwrap().into_iter().map(|case| case.id).collect()
+        };
+        assert_eq!(found("B16"), found("H1"));
+        assert_eq!(found("B19/"), found("H3/fifth"));
+        assert_eq!(found("B20"), found("H2"));
+        assert_eq!(found("B19").len(), 2);
+        assert!(found("B1").iter().all(|id| id.starts_with("B1/")));
     }
 
     #[test]

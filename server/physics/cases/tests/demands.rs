@@ -76,6 +76,7 @@ families! {
     rows_of_balls_hit_in_their_order: "H31/",
     chaos_is_followed_to_its_horizon: "H32/",
     a_force_that_flips_gives_parabolas: "H34/",
+    gases_are_what_their_figures_say_and_keep_their_energy: "G/",
     what_else_breaks_engines_is_answered: "X",
 }
 

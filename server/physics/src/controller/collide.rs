@@ -2,6 +2,8 @@
 
 use super::Controller;
 use super::approach::{Due, Landed};
+use crate::detect::ball_wall::Plane;
+use crate::detect::broad_phase::is_within;
 use crate::diagnostics::{Hit, HitPartner};
 use crate::motion::arc::Path;
 use crate::motion::law::State;
@@ -9,8 +11,8 @@ use crate::motion::together::{self, Landing, Seat};
 use crate::resolve::impact::{Contact, Member, hop, resolve_cluster, resolve_one};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{
-    CLUSTER_MAX, HOLD_SPEED, HOP_SPEED, POLISH, REST_HITS_MAX, REST_SPEED, SLOW_CLUSTER_MAX, TOUCH_CURVED,
-    TOUCH_ULPS,
+    ALONE_MARGIN, CLUSTER_MAX, HOLD_SPEED, HOP_SPEED, POLISH, REST_HITS_MAX, REST_SPEED, SLOW_CLUSTER_MAX,
+    TOUCH_CURVED, TOUCH_ULPS,
 };
 use nalgebra::Vector3;
 
@@ -65,7 +67,7 @@ impl Controller {
     /// Resolves a hit that is due.
     pub(super) fn collide(&mut self, hit: &mut Due) {
         self.land_on(hit);
-        let mut cluster = std::mem::take(&mut self.work.cluster);
+        let mut cluster = self.work.cluster.take().unwrap_or_default();
         cluster.clear();
         for landed in hit.landed() {
             self.enter(&mut cluster, *landed);
@@ -90,14 +92,16 @@ impl Controller {
     }
 
     /// Resolves the cluster around its first contact at `time`, which was predicted for `event`.
-    fn resolve(&mut self, mut cluster: Cluster, time: Time, event: Time) {
+    fn resolve(&mut self, mut cluster: Box<Cluster>, time: Time, event: Time) {
         let now = time.max(event);
         self.now = self.now.max(now);
         let slow = cluster.contacts[0].closing(&cluster.members) <= REST_SPEED;
         if slow {
             self.report.rest_hits += 1;
         }
-        self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });
+        if !self.is_clear_of_others(&cluster, time, event) {
+            self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });
+        }
         for landed in &cluster.landed {
             self.will_change(landed.ball);
             self.reads_neighbours(landed.ball);
@@ -122,7 +126,7 @@ impl Controller {
         } else {
             self.report.clusters += 1;
             let e = |closing: f64| if closing <= REST_SPEED { 0.0 } else { elastic };
-            let Cluster { members, contacts, impulses, .. } = &mut cluster;
+            let Cluster { members, contacts, impulses, .. } = &mut *cluster;
             if !resolve_cluster(members, contacts, e, impulses, &mut self.work.scratch) {
                 self.report.fallbacks += 1;
             }
@@ -131,7 +135,27 @@ impl Controller {
         self.count_hits(&mut cluster, time, slow);
         self.relaunch_moved(&mut cluster, time, now);
         cluster.landed.iter().for_each(|landed| self.has_changed(landed.ball));
-        self.work.cluster = cluster;
+        self.work.cluster = Some(cluster);
+    }
+
+    /// Whether surely nothing touches those of the first contact but each other: the searches ahead have seen to that.
+    fn is_clear_of_others(&self, cluster: &Cluster, time: Time, event: Time) -> bool {
+        time.since(event).abs() < 0.5 * ALONE_MARGIN
+            && cluster.landed.iter().all(|landed| {
+                self.queue.alone(landed.ball).holds_at(event) && self.is_clear_of_walls(cluster, landed)
+            })
+    }
+
+    /// Whether no wall but that of the first contact touches a ball.
+    fn is_clear_of_walls(&self, cluster: &Cluster, landed: &Landed) -> bool {
+        let (c, radius) = (landed.at.center, self.balls[landed.ball].body.radius);
+        if is_within(&[c.x - radius, c.y - radius, c.x + radius, c.y + radius], &self.room) {
+            return true;
+        }
+        let touches = |plane: &Plane| plane.distance(&c) - radius <= self.touch(&c);
+        let hit = cluster.pairs[0].partner;
+        let mut others = self.walls.iter().enumerate().filter(|(wall, _)| hit != HitPartner::Wall(*wall));
+        !others.any(|(_, plane)| touches(plane))
     }
 
     /// Adds to the cluster every ball and wall that touches a member, and theirs, up to `most` contacts.

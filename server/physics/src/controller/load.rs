@@ -2,7 +2,7 @@
 
 use super::ledger::Ledger;
 use super::{Ball, Controller, Work};
-use crate::detect::ball_wall::Plane;
+use crate::detect::ball_wall::{Plane, room_between};
 use crate::detect::broad_phase::BroadPhase;
 use crate::diagnostics::Report;
 use crate::motion::arc::Arc;
@@ -79,6 +79,7 @@ impl Controller {
             surface,
             patch,
             certificate: *certificate,
+            room: room_between(&walls),
             walls,
             gravity: scene.gravity,
             restitution: scene.restitution,

@@ -1,86 +1,186 @@
 //! What a ball will meet within its window: walls, other balls, or only the window's end.
 
 use super::Controller;
-use crate::detect::ball_ball::{self, Standing, surely_apart};
+use crate::detect::ball_ball::{self, Approach, Standing, comes_briskly, parts_briskly};
 use crate::detect::ball_wall;
-use crate::detect::broad_phase::{swept_bounds, travel};
+use crate::detect::broad_phase::{is_within, swept_bounds, travel};
+use crate::motion::arc::Arc;
+use crate::schedule::clearance::Clearance;
 use crate::schedule::event::{Next, What};
 use crate::schedule::time::{QUANTUM, Time};
-use crate::tolerance::{WINDOW_MAX, WINDOW_MIN};
+use crate::tolerance::{ALONE_MARGIN, WINDOW_MAX, WINDOW_MIN};
+
+/// What comes first for the ball that searches.
+struct First {
+    next: Next,
+    /// When the one that it meets then is clear of it, and when all the others are that were looked at.
+    partner: Clearance,
+    others: Clearance,
+}
+
+impl First {
+    /// Another ball is looked at, which may be the next one that ball `id` hits.
+    fn take_in(&mut self, id: u32, found: &Encounter) {
+        match found.hit {
+            Some(next) if next.key(id) < self.next.key(id) => {
+                self.others = self.others.and(self.partner);
+                (self.next, self.partner) = (next, found.clear);
+            }
+            _ => self.others = self.others.and(found.clear),
+        }
+    }
+}
+
+/// What a search found of two balls that may touch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Encounter {
+    /// The one that was found.
+    ball: usize,
+    /// Their hit, for the one that searched.
+    hit: Option<Next>,
+    clear: Clearance,
+}
+
+impl Encounter {
+    /// Of the arcs of two balls, the second `ball`, from `from` on while both look ahead; nothing if they surely stay clear
+    /// of each other. `standing` is where the first is then.
+    #[inline(always)]
+    fn of(
+        (arc, theirs): (&Arc, &Arc),
+        ball: usize,
+        (from, standing): (Time, &Standing),
+        searched: &mut u64,
+    ) -> Option<Self> {
+        let mut found = Self { ball, hit: None, clear: Clearance::UNKNOWN };
+        let begin = from.max(theirs.start);
+        let duration = arc.window_end.min(theirs.window_end).since(begin);
+        if duration <= 0.0 {
+            // They look again at once.
+            return Some(found);
+        }
+        let reach = arc.radius + theirs.radius;
+        let here = if begin == from { *standing } else { Standing::of(arc, begin) };
+        let there = Standing::of(theirs, begin);
+        let acceleration = arc.acceleration_bound + theirs.acceleration_bound;
+        let approach = Approach::of(&here, &there, acceleration, reach, duration);
+        if approach.stays_clear() {
+            return None;
+        }
+        if !approach.stays_apart() {
+            *searched += 1;
+            found.look_closer((arc, theirs), (&here, &there), (begin, duration));
+        } else if parts_briskly(&here, &there, acceleration, duration) {
+            found.clear = Clearance::after(begin.after(ALONE_MARGIN));
+        }
+        Some(found)
+    }
+
+    /// Whether and when they hit.
+    #[inline(never)]
+    fn look_closer(
+        &mut self,
+        (arc, theirs): (&Arc, &Arc),
+        (here, there): (&Standing, &Standing),
+        (begin, duration): (Time, f64),
+    ) {
+        let reach = arc.radius + theirs.radius;
+        let acceleration = arc.acceleration_bound + theirs.acceleration_bound;
+        let hit = ball_ball::time_of_impact((arc, theirs), (here, there), begin, duration, reach);
+        if let Some(t) = hit {
+            let time = begin.after(t);
+            self.hit = Some(Next { time, what: What::Ball { other: self.ball as u32, stamp: theirs.stamp } });
+            if comes_briskly(here, there, acceleration, reach, t) {
+                self.clear = Clearance::before(time.after(-ALONE_MARGIN));
+            }
+        } else if parts_briskly(here, there, acceleration, duration) {
+            self.clear = Clearance::after(begin.after(ALONE_MARGIN));
+        }
+    }
+}
 
 impl Controller {
     /// Opens a window for `ball` from `now` on and finds what comes first in it. The present is the caller's event: what
     /// happens to others meanwhile, far away, cannot touch it.
     pub(super) fn predict(&mut self, ball: usize, now: Time) {
         self.will_change(ball);
-        let from = now.max(self.arcs[ball].start);
-        self.open_window(ball, from);
         let arc = &self.arcs[ball];
-        let id = ball as u32;
-        let mut best = Next { time: arc.window_end, what: What::Renew };
-        let duration = arc.window_end.since(from);
+        let from = now.max(arc.start);
         let standing = Standing::of(arc, from);
-        for (wall, plane) in self.walls.iter().enumerate() {
-            if let Some(t) = ball_wall::time_of_impact((arc, &standing), plane, from, duration, arc.radius) {
-                let next = Next { time: from.after(t), what: What::Wall { wall: wall as u32 } };
-                if next.key(id) < best.key(id) {
-                    best = next;
-                }
-            }
-        }
+        self.open_window(ball, from, standing.velocity.norm());
+        let arc = &self.arcs[ball];
+        let (id, stamp) = (ball as u32, arc.stamp);
+        let next = Next { time: arc.window_end, what: What::Renew };
+        let mut first = First { next, partner: Clearance::ALWAYS, others: Clearance::ALWAYS };
+        let duration = arc.window_end.since(from);
         let bounds =
             swept_bounds(&standing.center, &standing.velocity, arc.acceleration_bound, arc.radius, duration);
+        if !is_within(&bounds, &self.room) {
+            first.next = self.first_wall(ball, (from, &standing), first.next);
+        }
         self.broad_phase.file(ball, bounds);
         let Self { broad_phase, arcs, queue, report, work, .. } = self;
         let arc = &arcs[ball];
         broad_phase.neighbours(ball, |other| {
             report.pairs[0] += 1;
-            let theirs = &arcs[other];
-            let begin = from.max(theirs.start);
-            let duration = arc.window_end.min(theirs.window_end).since(begin);
-            if duration <= 0.0 {
-                return;
-            }
-            let reach = arc.radius + theirs.radius;
-            let here = if begin == from { standing } else { Standing::of(arc, begin) };
-            let there = Standing::of(theirs, begin);
-            let acceleration = arc.acceleration_bound + theirs.acceleration_bound;
-            if surely_apart(&here, &there, acceleration, reach, duration) {
-                return;
-            }
-            report.pairs[1] += 1;
-            let hit = ball_ball::time_of_impact((arc, theirs), (&here, &there), begin, duration, reach);
-            let Some(t) = hit else { return };
-            let time = begin.after(t);
-            let mine = Next { time, what: What::Ball { other: other as u32, stamp: theirs.stamp } };
-            if mine.key(id) < best.key(id) {
-                best = mine;
-            }
-            let theirs = Next { time, what: What::Ball { other: id, stamp: arc.stamp } };
-            if theirs.key(other as u32) < queue.of(other).key(other as u32) {
-                work.theirs.push((other, theirs));
+            if let Some(found) =
+                Encounter::of((arc, &arcs[other]), other, (from, &standing), &mut report.pairs[1])
+            {
+                first.take_in(id, &found);
+                work.found.push(found);
             }
         });
-        self.queue.set(ball, best);
+        queue.set(ball, first.next);
+        queue.set_alone(ball, first.others);
         self.reads_neighbours(ball);
         self.has_changed(ball);
-        while let Some((other, theirs)) = self.work.theirs.pop() {
-            self.will_change(other);
-            self.queue.set(other, theirs);
-            self.has_changed(other);
+        while let Some(found) = self.work.found.pop() {
+            self.tell(&found, id, stamp);
         }
         self.line_up(ball);
+    }
+
+    /// The earlier of `next` and the first hit of a wall within the window.
+    fn first_wall(&self, ball: usize, (from, standing): (Time, &Standing), mut next: Next) -> Next {
+        let (arc, id) = (&self.arcs[ball], ball as u32);
+        let duration = arc.window_end.since(from);
+        for (wall, plane) in self.walls.iter().enumerate() {
+            if let Some(t) = ball_wall::time_of_impact((arc, standing), plane, from, duration, arc.radius) {
+                let hit = Next { time: from.after(t), what: What::Wall { wall: wall as u32 } };
+                if hit.key(id) < next.key(id) {
+                    next = hit;
+                }
+            }
+        }
+        next
+    }
+
+    /// Tells another ball what the search of ball `id`, whose arc has `stamp`, found of the two.
+    fn tell(&mut self, found: &Encounter, id: u32, stamp: u32) {
+        let Encounter { ball, hit, clear, .. } = *found;
+        let before = *self.queue.of(ball);
+        let alone = self.queue.alone(ball);
+        let Some(hit) = hit else { return self.queue.set_alone(ball, alone.and(clear)) };
+        let next = Next { time: hit.time, what: What::Ball { other: id, stamp } };
+        let known = next.what == before.what;
+        if next.key(ball as u32) < before.key(ball as u32) {
+            self.will_change(ball);
+            let partner = Clearance::before(before.time.after(-ALONE_MARGIN));
+            self.queue.set(ball, next);
+            self.queue.set_alone(ball, if known { alone } else { alone.and(partner) });
+            self.has_changed(ball);
+        } else if !known {
+            self.queue.set_alone(ball, alone.and(clear));
+        }
     }
 
     /// A window ends with the arc, before the ball has travelled far, and for a driven ball with the quantum.
     /// Its length is a power of two of seconds and depends on the ball and the floor alone: a ball that nobody meets
     /// cannot change another's.
-    fn open_window(&mut self, ball: usize, from: Time) {
+    fn open_window(&mut self, ball: usize, from: Time, speed: f64) {
         let driven = self.balls[ball].drive.is_some();
         let arc = &mut self.arcs[ball];
-        let speed = arc.velocity_at(from.since(arc.start)).norm();
         let travel = travel(arc.radius, self.span);
-        let mut length = WINDOW_MAX;
+        let mut length = power_of_two_up_to(travel / speed).clamp(WINDOW_MIN, WINDOW_MAX);
         while length > WINDOW_MIN && length * (speed + 0.5 * arc.acceleration_bound * length) > travel {
             length *= 0.5;
         }
@@ -90,4 +190,10 @@ impl Controller {
             arc.window_end = arc.window_end.min(quantum);
         }
     }
+}
+
+/// The largest power of two that is not larger; of what is no number or not positive, anything.
+fn power_of_two_up_to(x: f64) -> f64 {
+    const EXPONENT: u64 = f64::INFINITY.to_bits();
+    f64::from_bits(x.to_bits() & EXPONENT)
 }

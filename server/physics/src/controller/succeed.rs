@@ -166,7 +166,7 @@ impl Controller {
         }
         let Ball { drive, hits, rest_hits, hits_quantum, free_omega, .. } = run.balls[old];
         let ball = &mut self.balls[id];
-        *ball = Ball { drive, hits, rest_hits, hits_quantum, free_omega, ..*ball };
+        *ball = Ball { hits, rest_hits, hits_quantum, drive, free_omega, ..*ball };
         let arc = &run.arcs[old];
         self.arcs[id].turning.start = arc.orientation_at(self.now.since(arc.start).max(0.0));
         let (center, n) = self.balls[id].body.seat(&self.surface, &state);

@@ -4,7 +4,7 @@ use super::root::{divide_by_x, first_descent, refine};
 use crate::motion::arc::{Arc, Path};
 use crate::motion::step::TERMS;
 use crate::schedule::time::Time;
-use crate::tolerance::{ADVANCES_MAX, CLOSING_NOISE, CLOSING_NOISE_SPEED};
+use crate::tolerance::{ADVANCES_MAX, ALONE_CLOSING, ALONE_MARGIN, CLOSING_NOISE, CLOSING_NOISE_SPEED};
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -29,24 +29,64 @@ pub struct Standing {
 
 impl Standing {
     /// Of `arc` at `time`.
-    #[inline]
+    #[inline(always)]
     pub fn of(arc: &Arc, time: Time) -> Self {
         let dt = time.since(arc.start);
         Self { center: arc.center_at(dt), velocity: arc.velocity_at(dt) }
     }
 }
 
-/// Whether the balls surely stay apart for `duration`: straight lines from `a` and `b`, widened by what
-/// acceleration can add.
-#[inline]
-pub fn surely_apart(a: &Standing, b: &Standing, acceleration: f64, reach: f64, duration: f64) -> bool {
-    let p = b.center - a.center;
+/// How near two balls come to each other within a time: on straight lines, widened by what acceleration can add.
+#[derive(Clone, Copy, Debug)]
+pub struct Approach {
+    /// Least squared distance of the centres on straight lines, m^2.
+    least: f64,
+    /// Squared relative speed, m^2/s^2.
+    speed: f64,
+    /// Distance that it must exceed, m.
+    wide: f64,
+}
+
+impl Approach {
+    /// Of balls at `a` and `b` within `duration`, whose relative acceleration is at most `acceleration`.
+    #[inline]
+    pub fn of(a: &Standing, b: &Standing, acceleration: f64, reach: f64, duration: f64) -> Self {
+        let p = b.center - a.center;
+        let v = b.velocity - a.velocity;
+        let closing = -p.dot(&v);
+        let speed = v.norm_squared();
+        let t = if closing <= 0.0 || speed == 0.0 { 0.0 } else { (closing / speed).min(duration) };
+        let wide = reach + 0.5 * acceleration * duration * duration;
+        Self { least: (p + v * t).norm_squared(), speed, wide }
+    }
+
+    /// Whether the balls surely stay apart.
+    #[inline]
+    pub fn stays_apart(&self) -> bool {
+        self.least > self.wide * self.wide
+    }
+
+    /// Whether they do so for [`ALONE_MARGIN`] before and after as well, by more than any rounding. Twice their speed is at
+    /// most its square plus one, which takes no root.
+    #[inline]
+    pub fn stays_clear(&self) -> bool {
+        self.least > self.wide * self.wide + ALONE_MARGIN * (1.0 + self.speed) * (self.wide + ALONE_MARGIN)
+    }
+}
+
+/// Whether balls that will hit after `t` seconds come on so briskly that [`ALONE_MARGIN`] earlier they are clearly apart, and
+/// have been before: the distance is convex in time but for the acceleration.
+pub fn comes_briskly(a: &Standing, b: &Standing, acceleration: f64, reach: f64, t: f64) -> bool {
     let v = b.velocity - a.velocity;
-    let closing = -p.dot(&v);
-    let speed = v.norm_squared();
-    let t = if closing <= 0.0 || speed == 0.0 { 0.0 } else { (closing / speed).min(duration) };
-    let wide = reach + 0.5 * acceleration * duration * duration;
-    (p + v * t).norm_squared() > wide * wide
+    let closing = -(b.center - a.center + v * t).dot(&v);
+    let gained = acceleration * t;
+    closing > reach * (ALONE_CLOSING + 1.5 * gained) + 0.5 * gained * t * v.norm()
+}
+
+/// Whether balls that may touch part so briskly that [`ALONE_MARGIN`] later they are clearly apart, and stay so for `duration`.
+pub fn parts_briskly(a: &Standing, b: &Standing, acceleration: f64, duration: f64) -> bool {
+    let p = b.center - a.center;
+    p.dot(&(b.velocity - a.velocity)) > p.norm() * (ALONE_CLOSING + 0.5 * acceleration * duration)
 }
 
 /// Seconds after `from`, where the arcs stand at `now`, until the distance of the centres falls to `reach`, within
@@ -62,7 +102,7 @@ pub fn time_of_impact(
     reach: f64,
 ) -> Option<f64> {
     let both_parabolas = a.path != Path::Curved && b.path != Path::Curved;
-    if both_parabolas && a.center[2] / (a.scale * a.scale) == b.center[2] / (b.scale * b.scale) {
+    if both_parabolas && a.center[2] == b.center[2] {
         let noise = closing_noise(now.0.velocity.norm() + now.1.velocity.norm(), 1.0);
         return straight(now.1.center - now.0.center, now.1.velocity - now.0.velocity, noise, reach)
             .filter(|t| *t <= duration);
@@ -183,6 +223,7 @@ pub fn window_polynomial(arc: &Arc, from: Time, duration: f64) -> [V3; TERMS] {
     let mut c = arc.center;
     let theta = from.since(arc.start) / arc.scale;
     let top = if arc.path == Path::Curved { TERMS - 1 } else { 2 };
+    c[top + 1..].fill(V3::zeros());
     if theta != 0.0 {
         // Taylor shift by repeated synthetic division.
         for k in 0..top {

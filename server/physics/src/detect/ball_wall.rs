@@ -2,6 +2,7 @@
 
 use super::ball_ball::{Standing, bernstein, window_polynomial};
 use super::root::{divide_by_x, first_descent, refine};
+use crate::detect::broad_phase::Bounds;
 use crate::motion::arc::{Arc, Path};
 use crate::motion::step::TERMS;
 use crate::schedule::time::Time;
@@ -9,6 +10,9 @@ use crate::tolerance::{CLOSING_NOISE, CLOSING_NOISE_SPEED};
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
+
+/// Distance that counts as no room, relative to a metre and to the largest coordinate.
+const ROOM_SPARE: f64 = 1e-9;
 
 /// A wall as the engine uses it: q.x = offset, q pointing into the room.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +31,23 @@ impl Plane {
     }
 }
 
+/// Where bounds can lie and surely meet none of the walls; nowhere if one stands askew.
+pub fn room_between(walls: &[Plane]) -> Bounds {
+    let mut room = [f64::NEG_INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY];
+    for Plane { normal, point } in walls {
+        // More than any rounding.
+        let spare = ROOM_SPARE * (1.0 + point.amax());
+        match [normal.x, normal.y] {
+            [1.0, 0.0] => room[0] = room[0].max(point.x + spare),
+            [0.0, 1.0] => room[1] = room[1].max(point.y + spare),
+            [-1.0, 0.0] => room[2] = room[2].min(point.x - spare),
+            [0.0, -1.0] => room[3] = room[3].min(point.y - spare),
+            _ => return [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY],
+        }
+    }
+    room
+}
+
 /// Seconds after `from`, when the ball is at `now`, until the centre is `radius` from the wall, within `duration`; the same rules for
 /// balls already in contact as for two balls.
 pub fn time_of_impact(
@@ -40,7 +61,7 @@ pub fn time_of_impact(
     let speed = now.velocity.dot(&plane.normal);
     let noise = CLOSING_NOISE * now.velocity.norm() + CLOSING_NOISE_SPEED;
     if arc.path != Path::Curved {
-        let acceleration = 2.0 * arc.center[2].dot(&plane.normal) / (arc.scale * arc.scale);
+        let acceleration = 2.0 * arc.center[2].dot(&plane.normal);
         return parabola(gap, speed, noise, acceleration).filter(|t| *t <= duration);
     }
     if gap + speed.min(0.0) * duration - 0.5 * arc.acceleration_bound * duration * duration > 0.0 {

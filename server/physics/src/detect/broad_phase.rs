@@ -5,9 +5,15 @@
 //! fixed distance from its cell, and a search knows which cells to visit. The grid's plane is rolled up to a torus of a
 //! few cells a ball: memory goes with the balls, cells with their radii, and neither with the size of the floor.
 
+#![expect(clippy::needless_bitwise_bool, reason = "what cannot be foretold is computed, not jumped over")]
+
 use crate::tolerance::{GRID_CELL_RADII, GRID_CELLS_PER_BALL, WINDOW_FLOOR_SHARE, WINDOW_TRAVEL};
 use nalgebra::Vector3;
 
+/// Most balls that a search looks at together: several times what a search in a crowd finds.
+const BATCH: usize = 64;
+/// What a grid's reach grows by beyond what is filed: rounding, and fewer times that it grows.
+const REACH_SPARE: f64 = 1.0625;
 const NOBODY: u32 = u32::MAX;
 /// The cell of a ball whose bounds are wider than its class allows: everybody looks there.
 const WIDE: u32 = u32::MAX - 1;
@@ -28,8 +34,9 @@ struct Grid {
     /// Cells along x and y: powers of two.
     cells: [i64; 2],
     inverse_size: f64,
-    /// How far bounds reach from the middle, m.
+    /// How far bounds may reach from their middle, m, and how far those filed so far do, or a little farther.
     extent: f64,
+    reach: f64,
     first: Vec<u32>,
 }
 
@@ -38,11 +45,19 @@ struct Grid {
 pub struct BroadPhase {
     grids: Vec<Grid>,
     wide: u32,
-    class: Vec<u8>,
-    cell: Vec<u32>,
+    /// The next ball in the list of each one's cell.
     next: Vec<u32>,
-    previous: Vec<u32>,
-    bounds: Vec<Bounds>,
+    filed: Vec<Filed>,
+}
+
+/// A ball's bounds and where it is filed, in a line of cache.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Filed {
+    bounds: Bounds,
+    previous: u32,
+    cell: u32,
+    class: u8,
 }
 
 impl BroadPhase {
@@ -72,45 +87,55 @@ impl BroadPhase {
                 grids.push(Grid::new(*count, *largest, floor));
             }
         }
-        let n = radii.len();
-        Self {
-            grids,
-            wide: NOBODY,
-            class: radii.iter().map(|r| grid_of_class[usize::from(class_of(*r))]).collect(),
-            cell: vec![NOBODY; n],
-            next: vec![NOBODY; n],
-            previous: vec![NOBODY; n],
-            bounds: vec![[0.0; 4]; n],
-        }
+        let filed = |r: &f64| {
+            let class = grid_of_class[usize::from(class_of(*r))];
+            Filed { bounds: [0.0; 4], previous: NOBODY, cell: NOBODY, class }
+        };
+        let next = vec![NOBODY; radii.len()];
+        Self { grids, wide: NOBODY, next, filed: radii.iter().map(filed).collect() }
     }
 
     /// Files `ball` under new bounds.
     pub fn file(&mut self, ball: usize, bounds: Bounds) {
-        self.bounds[ball] = bounds;
-        let cell = self.grids[usize::from(self.class[ball])].cell_of(&bounds);
-        if self.cell[ball] == cell {
+        let lone = self.is_lone();
+        let filed = &mut self.filed[ball];
+        filed.bounds = bounds;
+        if lone {
             return;
         }
+        let cell = self.grids[usize::from(filed.class)].take_in(&bounds);
+        if filed.cell != cell {
+            self.move_to(ball, cell);
+        }
+    }
+
+    fn move_to(&mut self, ball: usize, cell: u32) {
         self.unlink(ball);
         let head = self.head(ball, cell);
         let second = std::mem::replace(head, ball as u32);
         self.next[ball] = second;
-        self.previous[ball] = NOBODY;
+        let filed = &mut self.filed[ball];
+        (filed.previous, filed.cell) = (NOBODY, cell);
         if second != NOBODY {
-            self.previous[second as usize] = ball as u32;
+            self.filed[second as usize].previous = ball as u32;
         }
-        self.cell[ball] = cell;
     }
 
     /// Takes `ball` out: nobody finds it until it is filed again.
     pub fn remove(&mut self, ball: usize) {
         self.unlink(ball);
-        self.cell[ball] = NOBODY;
+        self.filed[ball].cell = NOBODY;
     }
 
     /// Bounds that `ball` is filed under.
+    #[inline]
     pub fn bounds_of(&self, ball: usize) -> &Bounds {
-        &self.bounds[ball]
+        &self.filed[ball].bounds
+    }
+
+    /// Whether there is nobody to be found.
+    const fn is_lone(&self) -> bool {
+        self.filed.len() == 1
     }
 
     /// The first ball of a cell in the grid of `ball`.
@@ -118,72 +143,121 @@ impl BroadPhase {
         if cell == WIDE {
             return &mut self.wide;
         }
-        &mut self.grids[usize::from(self.class[ball])].first[cell as usize]
+        &mut self.grids[usize::from(self.filed[ball].class)].first[cell as usize]
     }
 
     fn unlink(&mut self, ball: usize) {
-        if self.cell[ball] == NOBODY {
+        let next = self.next[ball];
+        let Filed { previous, cell, .. } = self.filed[ball];
+        if cell == NOBODY {
             return;
         }
-        let (next, previous) = (self.next[ball], self.previous[ball]);
         if next != NOBODY {
-            self.previous[next as usize] = previous;
+            self.filed[next as usize].previous = previous;
         }
         if previous == NOBODY {
-            *self.head(ball, self.cell[ball]) = next;
+            *self.head(ball, cell) = next;
         } else {
             self.next[previous as usize] = next;
         }
     }
 
     /// Calls `visit` for every other ball whose bounds meet those of `ball`, in no particular order.
+    #[inline]
     pub fn neighbours(&self, ball: usize, mut visit: impl FnMut(usize)) {
-        if self.cell.len() == 1 {
+        if self.is_lone() {
             return;
         }
-        let mine = self.bounds[ball];
+        let mine = self.filed[ball].bounds;
+        let mut batch = Batch { balls: [NOBODY; BATCH], count: 0 };
         for grid in &self.grids {
             let [(i0, i1), (j0, j1)] = [0, 1].map(|axis| {
-                let low = grid.index(axis, mine[axis] - grid.extent);
-                let high = grid.index(axis, mine[axis + 2] + grid.extent);
+                let low = grid.index(axis, mine[axis] - grid.reach);
+                let high = grid.index(axis, mine[axis + 2] + grid.reach);
                 // Once around the torus is everywhere.
                 (low, high.min(low.saturating_add(grid.cells[axis] - 1)))
             });
+            let columns = [i0, i1].map(|i| (i & (grid.cells[0] - 1)) as usize);
             for j in j0..=j1 {
-                for part in grid.row(j, i0, i1) {
-                    for first in part {
-                        let mut other = *first;
-                        while other != NOBODY {
-                            if other as usize != ball && meet(&mine, &self.bounds[other as usize]) {
-                                visit(other as usize);
-                            }
-                            other = self.next[other as usize];
+                for cells in grid.row(j, columns) {
+                    for some in cells.chunks(BATCH / 4) {
+                        if batch.count + some.len() > BATCH / 2 {
+                            self.visit_batch(&mut batch, ball, &mine, &mut visit);
                         }
+                        batch.add_all(some);
                     }
                 }
             }
         }
-        if self.wide != NOBODY {
-            self.visit_wide(ball, &mut visit);
-        }
+        batch.add_all(&[self.wide]);
+        self.visit_batch(&mut batch, ball, &mine, &mut visit);
     }
 
-    #[cold]
-    fn visit_wide(&self, ball: usize, visit: &mut dyn FnMut(usize)) {
-        let mut other = self.wide;
-        while other != NOBODY {
-            if other as usize != ball && meet(&self.bounds[ball], &self.bounds[other as usize]) {
-                visit(other as usize);
+    /// Those of some lists whose bounds meet those of `ball`; the lists' first are in the batch. Which lists go on and which
+    /// bounds meet cannot be foretold: nothing is jumped over, and memory is asked for many of them at once.
+    #[inline]
+    fn visit_batch(&self, batch: &mut Batch, ball: usize, mine: &Bounds, visit: &mut impl FnMut(usize)) {
+        while batch.count > 0 {
+            let followed = batch.follow(&self.next);
+            let mut met = 0;
+            for place in 0..followed {
+                let other = batch.balls[place];
+                batch.balls[met] = other;
+                let meets = meet(mine, &self.filed[other as usize].bounds) & (other as usize != ball);
+                met += usize::from(meets);
             }
-            other = self.next[other as usize];
+            batch.balls[..met].iter().for_each(|other| visit(*other as usize));
+            if followed < batch.count {
+                batch.balls.copy_within(followed..batch.count, 0);
+            }
+            batch.count -= followed;
         }
     }
 }
 
-/// Whether two bounds share a point.
+/// Balls that a search looks at together.
+struct Batch {
+    balls: [u32; BATCH],
+    count: usize,
+}
+
+impl Batch {
+    /// Adds those that there are.
+    #[inline]
+    fn add_all(&mut self, some: &[u32]) {
+        let mut count = self.count;
+        for ball in some {
+            self.balls[count] = *ball;
+            count += usize::from(*ball != NOBODY);
+        }
+        self.count = count;
+    }
+
+    /// Adds those that come `next`, as long as there is room; returns how many have been followed.
+    #[inline]
+    fn follow(&mut self, next: &[u32]) -> usize {
+        let (mut followed, mut count) = (0, self.count);
+        while followed < count && count < BATCH {
+            let ball = next[self.balls[followed] as usize];
+            self.balls[count] = ball;
+            count += usize::from(ball != NOBODY);
+            followed += 1;
+        }
+        self.count = count;
+        followed
+    }
+}
+
+/// Whether bounds lie inside of others.
+#[inline]
+pub fn is_within(bounds: &Bounds, room: &Bounds) -> bool {
+    (room[0] < bounds[0]) & (room[1] < bounds[1]) & (bounds[2] < room[2]) & (bounds[3] < room[3])
+}
+
+/// Whether two bounds share a point. Most do not, and on which side cannot be foretold: nothing is jumped over.
 #[inline]
 fn meet(a: &Bounds, b: &Bounds) -> bool {
-    a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
+    (a[0] <= b[2]) & (b[0] <= a[2]) & (a[1] <= b[3]) & (b[1] <= a[3])
 }
 
 impl Grid {
@@ -204,32 +278,40 @@ impl Grid {
             cells: cells.map(u64::cast_signed),
             inverse_size: 1.0 / size,
             extent,
+            reach: 0.0,
             first: vec![NOBODY; (cells[0] * cells[1]) as usize],
         }
     }
 
-    /// Number of the column or row at x or y, before the plane is rolled up.
+    /// Number of the column or row at x or y, before the plane is rolled up: it never falls as x rises. Those that are
+    /// farthest off count as one.
     #[inline]
     fn index(&self, axis: usize, x: f64) -> i64 {
+        const FARTHEST: f64 = (1_i64 << 40) as f64;
+        /// Where a float has no room for fractions: its last bits count.
+        const INTEGERS: f64 = 1.5 * (1_i64 << (f64::MANTISSA_DIGITS - 1)) as f64;
         let place = (x - self.origin[axis]) * self.inverse_size;
-        let toward_zero = place as i64;
-        toward_zero - i64::from(place < toward_zero as f64)
+        (place.clamp(-FARTHEST, FARTHEST) + INTEGERS).to_bits().cast_signed()
+            - INTEGERS.to_bits().cast_signed()
     }
 
-    /// Cells `i0` to `i1` of row `j`, at most once around: up to two runs.
+    /// Cells of row `j` from one column to another, around the torus if that comes before: up to two runs.
     #[inline]
-    fn row(&self, j: i64, i0: i64, i1: i64) -> [&[u32]; 2] {
+    fn row(&self, j: i64, [low, high]: [usize; 2]) -> [&[u32]; 2] {
         let from = ((j & (self.cells[1] - 1)) * self.cells[0]) as usize;
         let row = &self.first[from..from + self.cells[0] as usize];
-        let [low, high] = [i0, i1].map(|i| (i & (self.cells[0] - 1)) as usize);
         if low <= high { [&row[low..=high], &[]] } else { [&row[low..], &row[..=high]] }
     }
 
-    fn cell_of(&self, bounds: &Bounds) -> u32 {
+    /// The cell of bounds, which searches find there from now on.
+    fn take_in(&mut self, bounds: &Bounds) -> u32 {
         let half = [0.5 * (bounds[2] - bounds[0]), 0.5 * (bounds[3] - bounds[1])];
-        // A NaN is wide too.
-        if !(half[0] <= self.extent && half[1] <= self.extent) {
-            return WIDE;
+        if !(half[0] <= self.reach && half[1] <= self.reach) {
+            // A NaN is wide too.
+            if !(half[0] <= self.extent && half[1] <= self.extent) {
+                return WIDE;
+            }
+            self.reach = (REACH_SPARE * half[0].max(half[1])).min(self.extent);
         }
         let [i, j] = [0, 1]
             .map(|axis| self.index(axis, 0.5 * (bounds[axis] + bounds[axis + 2])) & (self.cells[axis] - 1));

@@ -29,7 +29,8 @@ pub enum Path {
 
 /// A ball's path from `start` for `length` seconds.
 ///
-/// What other balls ask of it stands first, in four lines of cache: a search through neighbours reads nothing else.
+/// What other balls ask of it stands first, in four lines of cache, and for a parabola in two: a search through neighbours
+/// reads nothing else.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Arc {
@@ -37,8 +38,6 @@ pub struct Arc {
     pub start: Time,
     /// End of the span over which the ball's future has been searched.
     pub window_end: Time,
-    /// Seconds per unit of theta.
-    pub scale: f64,
     /// Radius of the ball, m.
     pub radius: f64,
     /// Bound of the centre's acceleration, m/s^2.
@@ -47,12 +46,18 @@ pub struct Arc {
     pub stamp: u32,
     /// What kind.
     pub path: Path,
-    /// Centre in powers of theta.
+    /// Whether it does not end by itself: its length is infinite.
+    pub endless: bool,
+    /// Centre in powers of theta; only the first three count unless the arc is curved.
     pub center: [V3; TERMS],
-    /// How long it is valid, s; infinite for a parabola.
+    /// Seconds per unit of theta; 1 unless curved.
+    pub scale: f64,
+    /// How long it is valid, s.
     pub length: f64,
     /// State at the start.
     pub state: State,
+    /// Floor reaction per mass at [`REACTION_AT`], m/s^2.
+    pub reaction: [f64; 3],
     /// Slope at the start (curved arcs only).
     pub slope: State,
     /// State in powers of theta (curved arcs only).
@@ -61,12 +66,11 @@ pub struct Arc {
     pub end: State,
     /// The orientation and its course.
     pub turning: Turning,
-    /// Floor reaction per mass at [`REACTION_AT`], m/s^2.
-    pub reaction: [f64; 3],
 }
 
-/// What a search reads of an arc fits in four lines.
-const _: () = assert!(std::mem::offset_of!(Arc, length) <= 256 + 8);
+/// What a search reads of an arc fits in four lines, of a parabola in two.
+const _: () = assert!(std::mem::offset_of!(Arc, length) <= 256);
+const _: () = assert!(std::mem::offset_of!(Arc, center) + 3 * size_of::<V3>() <= 128);
 
 impl Arc {
     /// An arc of a ball of `radius` that holds nothing yet.
@@ -79,6 +83,7 @@ impl Arc {
             acceleration_bound: 0.0,
             stamp: 0,
             path: Path::Held,
+            endless: false,
             length: 0.0,
             state: [0.0; ROLLING],
             slope: [0.0; ROLLING],
@@ -90,18 +95,46 @@ impl Arc {
         }
     }
 
+    /// Sets the first three terms of the centre, which are all that count unless the arc is curved.
+    pub(super) fn set_parabola(&mut self, terms: [V3; 3]) {
+        self.center[..3].copy_from_slice(&terms);
+    }
+
+    /// Sets for how long it is valid, s.
+    pub(super) fn set_length(&mut self, length: f64) {
+        (self.length, self.endless) = (length, length == f64::INFINITY);
+    }
+
     /// When it ends.
+    #[inline]
     pub fn finish(&self) -> Time {
-        self.start.after(self.length)
+        if self.endless { Time::NEVER } else { self.start.after(self.length) }
     }
 
     /// Centre `dt` seconds after the start, m.
     #[inline]
     pub fn center_at(&self, dt: f64) -> V3 {
+        if self.path == Path::Curved { self.curved_center(dt) } else { self.parabola_center(dt) }
+    }
+
+    /// Velocity of the centre `dt` seconds after the start, the derivative of [`Self::center_at`], m/s.
+    #[inline]
+    pub fn velocity_at(&self, dt: f64) -> V3 {
+        if self.path == Path::Curved { self.curved_velocity(dt) } else { self.parabola_velocity(dt) }
+    }
+
+    #[inline]
+    fn parabola_center(&self, dt: f64) -> V3 {
+        self.center[0] + (self.center[1] + self.center[2] * dt) * dt
+    }
+
+    #[inline]
+    fn parabola_velocity(&self, dt: f64) -> V3 {
+        self.center[1] + self.center[2] * (2.0 * dt)
+    }
+
+    fn curved_center(&self, dt: f64) -> V3 {
         let theta = dt / self.scale;
-        if self.path != Path::Curved {
-            return self.center[0] + (self.center[1] + self.center[2] * theta) * theta;
-        }
         let mut sum = self.center[TERMS - 1];
         for c in self.center[..TERMS - 1].iter().rev() {
             sum = sum * theta + c;
@@ -109,13 +142,8 @@ impl Arc {
         sum
     }
 
-    /// Velocity of the centre `dt` seconds after the start, the derivative of [`Self::center_at`], m/s.
-    #[inline]
-    pub fn velocity_at(&self, dt: f64) -> V3 {
+    fn curved_velocity(&self, dt: f64) -> V3 {
         let theta = dt / self.scale;
-        if self.path != Path::Curved {
-            return (self.center[1] + self.center[2] * (2.0 * theta)) / self.scale;
-        }
         let mut sum = self.center[TERMS - 1] * (TERMS - 1) as f64;
         for (k, c) in self.center.iter().enumerate().take(TERMS - 1).skip(1).rev() {
             sum = sum * theta + c * k as f64;
@@ -184,7 +212,8 @@ impl Arc {
     /// Whether every number of a launched arc is finite and of a size that can be worked with.
     pub fn is_sane(&self) -> bool {
         let fine = |x: &f64| x.abs() <= SANE;
-        let centers = self.center.iter().all(|c| c.iter().all(fine));
+        let terms = if self.path == Path::Curved { TERMS } else { 3 };
+        let centers = self.center[..terms].iter().all(|c| c.iter().all(fine));
         let (state, ends) = (&self.state, self.end.iter());
         centers && state.iter().all(fine) && (self.path != Path::Curved || ends.into_iter().all(fine))
     }
@@ -219,7 +248,7 @@ impl Arc {
         accuracy: Accuracy,
     ) {
         self.path = Path::Curved;
-        self.length = h;
+        self.set_length(h);
         self.scale = h;
         self.slope = widen(slope);
         self.end = widen(&step.end);

@@ -131,12 +131,9 @@ impl Body {
         let (center, n) = self.seat(surface, &arc.state);
         let acceleration = (self.applied - n * self.applied.dot(&n)) * (1.0 / (1.0 + self.inertia_factor));
         arc.path = Path::Parabola;
-        arc.length = f64::INFINITY;
+        arc.set_length(f64::INFINITY);
         arc.scale = 1.0;
-        arc.center = [V3::zeros(); TERMS];
-        arc.center[0] = center;
-        arc.center[1] = velocity(&arc.state);
-        arc.center[2] = acceleration * 0.5;
+        arc.set_parabola([center, velocity(&arc.state), acceleration * 0.5]);
         arc.acceleration_bound = acceleration.norm();
         arc.reaction = [-self.applied.dot(&n); 3];
         if self.rolls {
@@ -146,7 +143,7 @@ impl Body {
             arc.turning.begin(turn, tolerance::turn_left_out(accuracy, tolerance::TURN_MAX, self.radius));
             // Orientation under force is a quadrature from the start of the arc; keep it short.
             if arc.acceleration_bound > 0.0 {
-                arc.length = tolerance::TURN_MAX;
+                arc.set_length(tolerance::TURN_MAX);
             }
         }
     }
@@ -154,14 +151,13 @@ impl Body {
     /// Stands still at `state` for `length` seconds, and goes on spinning about the normal.
     pub fn hold(&self, surface: &Surface, (start, state): (Time, &State), length: f64, arc: &mut Arc) {
         arc.start = start;
-        arc.length = length;
+        arc.set_length(length);
         arc.scale = 1.0;
         arc.path = Path::Held;
         arc.state = *state;
         arc.state[2..5].fill(0.0);
-        arc.center = [V3::zeros(); TERMS];
         let (center, n) = self.seat(surface, state);
-        arc.center[0] = center;
+        arc.set_parabola([center, V3::zeros(), V3::zeros()]);
         let mut turn = [V3::zeros(); TERMS];
         turn[1] = angular_velocity(&n, &V3::zeros(), state[5], self.radius);
         arc.turning.begin(turn, tolerance::TURN_LEAST);

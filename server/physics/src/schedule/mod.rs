@@ -4,6 +4,7 @@
 //! the first of all, `calendar` some of the next.
 
 pub mod calendar;
+pub mod clearance;
 pub mod event;
 pub mod queue;
 pub mod time;

@@ -1,105 +1,270 @@
-//! The first of all next events: a tournament tree with one leaf a ball. It never allocates after it is made.
+//! The first of all next events: a tournament with one leaf a ball. It never allocates after it is made.
+//!
+//! Four meet in a match, which fills one line of cache, and nearly all matches are decided by rounded times that are
+//! compared as integers.
 
+use super::clearance::Clearance;
 use super::event::Next;
 use super::time::Time;
+
+/// Entries of a match.
+const FOUR: usize = 4;
 
 /// A tournament over the balls' next events.
 #[derive(Clone, Debug)]
 pub struct Queue {
-    next: Vec<Next>,
-    /// The winner of the subtree at each node, the root at 1, a ball's leaf at `leaves` + ball. Siblings lie side by
-    /// side, so that a match reads one place of memory.
-    nodes: Vec<Winner>,
-    leaves: usize,
+    coming: Vec<Coming>,
+    /// Round after round: of the balls, of the winners of their matches, and so on to one match.
+    matches: Vec<Match>,
+    /// Where each round begins.
+    rounds: Vec<usize>,
+    winner: Entry,
 }
 
-/// A ball and the time of its next event: nearly all matches are decided by time.
+/// What comes for a ball.
 #[derive(Clone, Copy, Debug)]
-struct Winner {
-    time: Time,
+struct Coming {
+    next: Next,
+    alone: Clearance,
+}
+
+/// A ball and its time, rounded down.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    rounded: u64,
     ball: u32,
+}
+
+/// Who meets: where there is no ball, a time after all times.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Match {
+    rounded: [u64; FOUR],
+    balls: [u32; FOUR],
+}
+
+impl Match {
+    fn of(some: &[Entry]) -> Self {
+        let mut all = Self { rounded: [u64::MAX; FOUR], balls: [u32::MAX; FOUR] };
+        for (place, entry) in some.iter().enumerate() {
+            (all.rounded[place], all.balls[place]) = (entry.rounded, entry.ball);
+        }
+        all
+    }
 }
 
 impl Queue {
     /// A queue for `balls` balls, none of which has anything coming.
     pub fn new(balls: usize) -> Self {
-        let leaves = balls.next_power_of_two().max(2);
-        let mut nodes = vec![Winner { time: Time::NEVER, ball: 0 }; 2 * leaves];
-        for (ball, leaf) in nodes[leaves..].iter_mut().enumerate() {
-            leaf.ball = ball as u32;
+        let (mut matches, mut rounds) = (Vec::new(), Vec::new());
+        let rounded = Time::NEVER.rounded_down();
+        let mut entries: Vec<Entry> = (0..balls.max(1) as u32).map(|ball| Entry { rounded, ball }).collect();
+        loop {
+            rounds.push(matches.len());
+            matches.extend(entries.chunks(FOUR).map(Match::of));
+            entries = entries.into_iter().step_by(FOUR).collect();
+            if entries.len() == 1 {
+                break;
+            }
         }
-        for node in (1..leaves).rev() {
-            nodes[node] = nodes[2 * node];
-        }
-        Self { next: vec![Next::NEVER; leaves], nodes, leaves }
+        let coming = vec![Coming { next: Next::NEVER, alone: Clearance::UNKNOWN }; balls.max(1)];
+        Self { coming, matches, rounds, winner: entries[0] }
     }
 
     /// What comes next for a ball.
     #[inline]
     pub fn of(&self, ball: usize) -> &Next {
-        &self.next[ball]
+        &self.coming[ball].next
+    }
+
+    /// When surely no ball touches this one on its present arc but the one of its next event.
+    #[inline]
+    pub fn alone(&self, ball: usize) -> Clearance {
+        self.coming[ball].alone
+    }
+
+    /// Sets [`Self::alone`], of which nothing is known when another event is set.
+    #[inline]
+    pub fn set_alone(&mut self, ball: usize, alone: Clearance) {
+        self.coming[ball].alone = alone;
     }
 
     /// Sets what comes next for a ball.
     pub fn set(&mut self, ball: usize, next: Next) {
-        self.next[ball] = next;
-        let mut node = self.leaves + ball;
-        self.nodes[node].time = next.time;
-        while node > 1 {
-            node >>= 1;
-            let (a, b) = (self.nodes[2 * node], self.nodes[2 * node + 1]);
-            let winner = if self.is_first(a, b) { a } else { b };
-            let before = self.nodes[node].ball;
+        self.coming[ball] = Coming { next, alone: Clearance::UNKNOWN };
+        let mut place = ball;
+        let mut entry = Entry { rounded: next.time.rounded_down(), ball: ball as u32 };
+        for round in 0..self.rounds.len() {
+            let all = &mut self.matches[self.rounds[round] + place / FOUR];
+            let before = all.balls[place % FOUR];
+            all.rounded[place % FOUR] = entry.rounded;
+            all.balls[place % FOUR] = entry.ball;
             // Where another won and wins again, nothing changes farther up.
-            if before != ball as u32 && winner.ball == before {
-                break;
+            if before == entry.ball && entry.ball != ball as u32 {
+                return;
             }
-            self.nodes[node] = winner;
+            entry = self.winner_of(self.rounds[round] + place / FOUR);
+            place /= FOUR;
         }
+        self.winner = entry;
     }
 
     /// The ball whose event is first, and the event.
     #[inline]
     pub fn first(&self) -> (usize, &Next) {
-        let ball = self.nodes[1].ball as usize;
-        (ball, &self.next[ball])
+        let ball = self.winner.ball as usize;
+        (ball, &self.coming[ball].next)
+    }
+
+    /// The winner of a match. Which one it is cannot be foretold, so nothing is jumped over.
+    #[inline]
+    fn winner_of(&self, place: usize) -> Entry {
+        let all = &self.matches[place];
+        let low = usize::from(self.is_before(all, 1, 0));
+        let high = 2 + usize::from(self.is_before(all, 3, 2));
+        let first = if self.is_before(all, high, low) { high } else { low };
+        Entry { rounded: all.rounded[first], ball: all.balls[first] }
     }
 
     #[inline]
-    fn is_first(&self, a: Winner, b: Winner) -> bool {
-        if a.time == b.time {
-            return self.next[a.ball as usize].key(a.ball) <= self.next[b.ball as usize].key(b.ball);
+    fn is_before(&self, all: &Match, a: usize, b: usize) -> bool {
+        if all.rounded[a] == all.rounded[b] {
+            return self.is_just_before(all.balls[a], all.balls[b]);
         }
-        a.time < b.time
+        all.rounded[a] < all.rounded[b]
+    }
+
+    /// By everything that counts; nobody is before nobody.
+    #[inline(never)]
+    fn is_just_before(&self, a: u32, b: u32) -> bool {
+        let key = |ball: u32| self.coming.get(ball as usize).map(|coming| coming.next.key(ball));
+        key(a) < key(b)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::event::What;
-    use super::super::time::Time;
+    use super::super::time::{QUANTUM, Time};
     use super::*;
+    use std::collections::BTreeSet;
+
+    /// Numbers from a seed (Marsaglia's xorshift).
+    struct Random(u64);
+
+    impl Random {
+        fn below(&mut self, count: usize) -> usize {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 7;
+            self.0 ^= self.0 << 17;
+            ((self.0 >> 33) % count as u64) as usize
+        }
+
+        /// Few quanta and few offsets, down to neighbouring numbers, so that ties are common and near ties too; sometimes never.
+        fn time(&mut self) -> Time {
+            if self.below(8) == 0 {
+                return Time::NEVER;
+            }
+            let offset = match self.below(6) {
+                0 => 0.0,
+                1 => f64::MIN_POSITIVE,
+                2 => 0.5 * QUANTUM,
+                3 => (0.5 * QUANTUM).next_up(),
+                4 => QUANTUM.next_down(),
+                _ => self.below(1 << 20) as f64 * (QUANTUM / f64::from(1 << 20)),
+            };
+            Time::of_parts(self.below(4) as i64 - 1, offset).expect("an offset below the quantum")
+        }
+
+        fn next(&mut self, balls: usize) -> Next {
+            let time = self.time();
+            let what = match self.below(3) {
+                0 => What::Renew,
+                1 => What::Wall { wall: self.below(4) as u32 },
+                _ => What::Ball { other: self.below(balls) as u32, stamp: self.below(1 << 31) as u32 },
+            };
+            Next { time, what }
+        }
+    }
+
+    type Key = (Time, u8, u32, u32);
+
+    /// The slow reference: every ball's key in one ordered set. Two balls that meet each other have one key.
+    struct Plain {
+        next: Vec<Next>,
+        keys: BTreeSet<(Key, u32)>,
+    }
+
+    impl Plain {
+        fn new(balls: usize) -> Self {
+            let next = vec![Next::NEVER; balls];
+            let keys = (0..).zip(&next).map(|(ball, next)| (next.key(ball), ball)).collect();
+            Self { next, keys }
+        }
+
+        fn set(&mut self, ball: usize, next: Next) {
+            let id = ball as u32;
+            self.keys.remove(&(self.next[ball].key(id), id));
+            self.keys.insert((next.key(id), id));
+            self.next[ball] = next;
+        }
+
+        fn first(&self) -> Key {
+            self.keys.first().expect("a ball").0
+        }
+    }
+
+    fn assert_same(queue: &Queue, plain: &Plain) {
+        let (ball, first) = queue.first();
+        assert!(ball < plain.next.len(), "ball {ball} of {}", plain.next.len());
+        assert_eq!(*first, plain.next[ball]);
+        assert_eq!(first.key(ball as u32), plain.first(), "of {} balls", plain.next.len());
+    }
+
+    const SIZES: [usize; 8] = [1, 2, 3, 37, 64, 65, 1_000, 100_000];
 
     #[test]
-    fn the_queue_agrees_with_a_search() {
-        let n = 37;
-        let mut queue = Queue::new(n);
-        let mut plain = vec![Next::NEVER; n];
-        let mut seed = 3_u64;
-        for round in 0..2000_u32 {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let ball = (seed >> 33) as usize % n;
-            // Few distinct times, so that ties are common.
-            let time = Time::of_seconds(((seed >> 20) % 5) as f64);
-            let what = match round % 3 {
-                0 => What::Renew,
-                1 => What::Wall { wall: round % 4 },
-                _ => What::Ball { other: (seed >> 40) as u32 % n as u32, stamp: 0 },
-            };
-            plain[ball] = Next { time, what };
-            queue.set(ball, plain[ball]);
-            let want = (0..n).min_by_key(|i| (plain[*i].key(*i as u32), *i)).expect("balls");
-            assert_eq!(queue.first().1.key(queue.first().0 as u32), plain[want].key(want as u32));
+    fn the_queue_agrees_with_an_ordered_set_at_every_size() {
+        for balls in SIZES {
+            let (mut queue, mut plain) = (Queue::new(balls), Plain::new(balls));
+            let mut random = Random(balls as u64 + 3);
+            assert_same(&queue, &plain);
+            for _ in 0..20_000_usize.max(3 * balls) {
+                let ball = random.below(balls);
+                let next = random.next(balls);
+                plain.set(ball, next);
+                queue.set(ball, next);
+                assert_eq!(*queue.of(ball), next);
+                assert_same(&queue, &plain);
+            }
+        }
+    }
+
+    /// As an engine uses it: who is first is set to something later, again and again, until nothing comes any more.
+    #[test]
+    fn what_is_taken_out_comes_in_order_until_nothing_is_left() {
+        for balls in SIZES {
+            let (mut queue, mut plain) = (Queue::new(balls), Plain::new(balls));
+            let mut random = Random(balls as u64 + 5);
+            for ball in 0..balls {
+                let next = random.next(balls);
+                plain.set(ball, next);
+                queue.set(ball, next);
+            }
+            let mut before = None;
+            loop {
+                assert_same(&queue, &plain);
+                let (ball, first) = queue.first();
+                let key = first.key(ball as u32);
+                if key.0 == Time::NEVER {
+                    break;
+                }
+                assert!(before <= Some(key), "{before:?} came before {key:?}");
+                before = Some(key);
+                plain.set(ball, Next::NEVER);
+                queue.set(ball, Next::NEVER);
+            }
+            assert!(before.is_some() || balls < 64, "{balls} balls had nothing coming");
         }
     }
 }

@@ -63,10 +63,10 @@ impl Time {
         if seconds == f64::INFINITY || self.quantum == i64::MAX {
             return Self::NEVER;
         }
-        let whole = (seconds * QUANTA_PER_SECOND as f64).floor();
+        let (quanta, whole) = floor(seconds * QUANTA_PER_SECOND as f64);
         // Exact: the quantum is a power of two, and `whole` quanta lie within a quantum of `seconds`.
         let rest = seconds - whole * QUANTUM;
-        Self { quantum: self.quantum + whole as i64, offset: self.offset + rest }.normalised()
+        Self { quantum: self.quantum + quanta, offset: self.offset + rest }.normalised()
     }
 
     /// Seconds from `earlier` to this time.
@@ -80,6 +80,24 @@ impl Time {
     /// Seconds since the start, rounded to an f64.
     pub fn seconds(self) -> f64 {
         self.since(Self::ZERO)
+    }
+
+    /// An integer that is not smaller for a later time: the offset is rounded down to 2^-36 s, and times from eight years
+    /// on are alike.
+    #[inline]
+    pub const fn rounded_down(self) -> u64 {
+        const QUANTUM_BITS: u32 = 34;
+        const OFFSET_BITS: u32 = 64 - QUANTUM_BITS;
+        const LAST: i64 = (1 << QUANTUM_BITS) - 1;
+        let quantum = if self.quantum < 0 {
+            0
+        } else if self.quantum > LAST {
+            LAST
+        } else {
+            self.quantum
+        };
+        let offset = self.offset * ((1_i64 << OFFSET_BITS) * QUANTA_PER_SECOND) as f64;
+        (quantum << OFFSET_BITS).cast_unsigned() | (offset as i64).cast_unsigned()
     }
 
     fn normalised(mut self) -> Self {
@@ -99,11 +117,44 @@ impl Time {
     }
 }
 
+/// The largest integer that is not larger, twice; the processor at hand may have no instruction for it.
+#[inline]
+fn floor(x: f64) -> (i64, f64) {
+    let toward_zero = x as i64;
+    if toward_zero as f64 > x {
+        let below = toward_zero.saturating_sub(1);
+        return (below, below as f64);
+    }
+    (toward_zero, if toward_zero == i64::MAX { x } else { toward_zero as f64 })
+}
+
 impl Eq for Time {}
 
+#[allow(clippy::needless_bitwise_bool, reason = "what cannot be foretold is computed, not jumped over")]
 impl PartialOrd for Time {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
+    }
+
+    // Nearly all comparisons are these; an offset has a sign only where it is not zero.
+    #[inline]
+    fn lt(&self, other: &Self) -> bool {
+        (self.quantum < other.quantum) | ((self.quantum == other.quantum) & (self.offset < other.offset))
+    }
+
+    #[inline]
+    fn le(&self, other: &Self) -> bool {
+        (self.quantum < other.quantum) | ((self.quantum == other.quantum) & (self.offset <= other.offset))
+    }
+
+    #[inline]
+    fn gt(&self, other: &Self) -> bool {
+        other < self
+    }
+
+    #[inline]
+    fn ge(&self, other: &Self) -> bool {
+        other <= self
     }
 }
 

@@ -71,7 +71,8 @@ fn print(sights: &[Sight], as_json: bool) -> anyhow::Result<()> {
         }
         return Ok(());
     }
-    for line in table::arenas(sights, None).into_iter().chain(sights.iter().flat_map(table::details)) {
+    let details = sights.iter().flat_map(|sight| table::details(sight, usize::MAX));
+    for line in table::arenas(sights, None, usize::MAX).into_iter().chain(details) {
         writeln!(out, "{line}")?;
     }
     Ok(())
@@ -83,7 +84,7 @@ fn watch(lookout: &mut Lookout, abort: &Abort) -> anyhow::Result<()> {
     let terminal = Terminal::take()?;
     let mut next_look = Instant::now() + LOOK_EVERY;
     while !abort.is_aborted() {
-        terminal.show(&screen.lines())?;
+        terminal.show(&screen.lines(Terminal::width()?))?;
         if event::poll(SLICE)?
             && let Event::Key(key) = event::read()?
             && let Some(wish) = screen.press(key)

@@ -24,6 +24,11 @@ impl Terminal {
         Ok(taken)
     }
 
+    /// Characters that a line has room for.
+    pub fn width() -> std::io::Result<usize> {
+        Ok(usize::from(terminal::size()?.0))
+    }
+
     /// Shows lines, as many and as much of each as there is room for.
     pub fn show(&self, lines: &[String]) -> std::io::Result<()> {
         let (width, height) = terminal::size()?;
@@ -123,10 +128,10 @@ impl Screen {
         self.chosen = self.sights.get(there).map(|sight| sight.row.arena.clone());
     }
 
-    /// As lines of text.
-    pub fn lines(&self) -> Vec<String> {
-        let mut lines = table::arenas(&self.sights, self.chosen.as_deref());
-        lines.extend(self.chosen().map(table::details).unwrap_or_default());
+    /// As lines of text, of at most `width` characters where columns can be left out.
+    pub fn lines(&self, width: usize) -> Vec<String> {
+        let mut lines = table::arenas(&self.sights, self.chosen.as_deref(), width);
+        lines.extend(self.chosen().map(|sight| table::details(sight, width)).unwrap_or_default());
         lines.push(String::new());
         lines.push(match &self.asks {
             Some(arena) => format!("  reset {arena}? y for yes, any other key for no"),
@@ -177,7 +182,7 @@ mod tests {
     fn a_reset_is_asked_for_twice_and_any_other_key_means_no() {
         let mut screen = screen();
         assert_eq!(press(&mut screen, KeyCode::Char('r')), None);
-        assert!(screen.lines().last().unwrap().contains("reset left?"));
+        assert!(screen.lines(usize::MAX).last().unwrap().contains("reset left?"));
         assert_eq!(press(&mut screen, KeyCode::Char('q')), None);
         assert_eq!(press(&mut screen, KeyCode::Char('r')), None);
         assert_eq!(press(&mut screen, KeyCode::Char('y')), Some(Wish::Reset("left".into())));

@@ -4,47 +4,88 @@ use crate::cli::sight::Sight;
 use protocol::report::ClientRow;
 use protocol::stats::ErrorEstimate;
 
-/// One line an arena, with its heading; the chosen one is marked.
-pub fn arenas(sights: &[Sight], chosen: Option<&str>) -> Vec<String> {
-    let heading = format!(
-        "  {:14} {:8} {:18} {:>6} {:>9} {:>10}  {:>6} {:>6}  {:>8} {:>8} {:>8}  {:>5} {:>7}",
-        "ARENA",
-        "STATE",
-        "SCENE",
-        "BALLS",
-        "TICK",
-        "TIME s",
-        "TARGET",
-        "ACTUAL",
-        "p50 us",
-        "p99 us",
-        "MAX us",
-        "LATE",
-        "REFUSED"
-    );
-    let line = |Sight { row, stats, .. }: &Sight| {
-        let mark = if chosen == Some(&row.arena) { '>' } else { ' ' };
-        let target =
-            if stats.as_fast_as_possible { "max".to_owned() } else { format!("{:.2}", stats.speed_factor) };
-        let [median, late, worst] = stats.tick_micros;
-        format!(
-            "{mark} {:14} {:8} {:18} {:>6} {:>9} {:>10.2}  {target:>6} {:>6.2}  {median:>8.1} {late:>8.1} {worst:>8.1}  {:>5} {:>7}",
-            cut(&row.arena, 14),
-            row.state.name(),
-            cut(&row.scene, 18),
-            row.balls,
-            row.tick,
-            row.time_s,
-            stats.real_time_factor,
-            stats.overruns,
-            stats.commands_refused
-        )
-    };
-    std::iter::once(heading).chain(sights.iter().map(line)).collect()
+/// A column of a table.
+struct Column<'a, T> {
+    heading: String,
+    /// Characters: of text from the left, of a number from the right.
+    width: Width,
+    /// Where there is no room, columns of the highest rank are left out first; those of rank 0 stay.
+    rank: u8,
+    value: &'a dyn Fn(&T) -> String,
 }
 
-/// Streams and readers of one arena.
-pub fn details(Sight { row, stats, clients }: &Sight) -> Vec<String> {
+#[derive(Clone, Copy)]
+enum Width {
+    Text(usize),
+    Number(usize),
+}
+
+impl Width {
+    fn cell(self, text: &str) -> String {
+        match self {
+            Self::Text(width) => format!(" {:width$}", cut(text, width)),
+            Self::Number(width) => format!(" {text:>width$}"),
+        }
+    }
+
+    const fn characters(self) -> usize {
+        match self {
+            Self::Text(width) | Self::Number(width) => 1 + width,
+        }
+    }
+}
+
+impl<'a, T> Column<'a, T> {
+    fn text(heading: &str, width: usize, rank: u8, value: &'a dyn Fn(&T) -> String) -> Self {
+        Self { heading: heading.to_owned(), width: Width::Text(width), rank, value }
+    }
+
+    fn number(heading: &str, width: usize, rank: u8, value: &'a dyn Fn(&T) -> String) -> Self {
+        Self { heading: heading.to_owned(), width: Width::Number(width), rank, value }
+    }
+}
+
+/// The heading and a line a row, in at most `width` characters as far as columns may be left out.
+fn table<T>(columns: &[Column<'_, T>], rows: &[T], width: usize, mark: impl Fn(&T) -> char) -> Vec<String> {
+    let mut shown: Vec<&Column<'_, T>> = columns.iter().collect();
+    while 1 + shown.iter().map(|column| column.width.characters()).sum::<usize>() > width {
+        let spare = shown.iter().enumerate().filter(|(_, column)| column.rank > 0);
+        let Some((least, _)) = spare.max_by_key(|(_, column)| column.rank) else { break };
+        shown.remove(least);
+    }
+    let heading: String = shown.iter().map(|column| column.width.cell(&column.heading)).collect();
+    let line = |row: &T| {
+        let cells: String = shown.iter().map(|column| column.width.cell(&(column.value)(row))).collect();
+        format!("{}{cells}", mark(row))
+    };
+    std::iter::once(format!(" {heading}")).chain(rows.iter().map(line)).collect()
+}
+
+/// One line an arena, with its heading, in at most `width` characters; the chosen one is marked.
+pub fn arenas(sights: &[Sight], chosen: Option<&str>, width: usize) -> Vec<String> {
+    let target = |Sight { stats, .. }: &Sight| {
+        if stats.as_fast_as_possible { "max".to_owned() } else { format!("{:.2}", stats.speed_factor) }
+    };
+    let columns: [Column<'_, Sight>; 13] = [
+        Column::text("ARENA", 14, 0, &|sight| sight.row.arena.clone()),
+        Column::text("STATE", 8, 0, &|sight| sight.row.state.name().to_owned()),
+        Column::text("SCENE", 18, 0, &|sight| sight.row.scene.clone()),
+        Column::number("BALLS", 6, 1, &|sight| sight.row.balls.to_string()),
+        Column::number("TICK", 9, 4, &|sight| sight.row.tick.to_string()),
+        Column::number("TIME s", 10, 0, &|sight| format!("{:.2}", sight.row.time_s)),
+        Column::number("TARGET", 7, 2, &target),
+        Column::number("ACTUAL", 6, 0, &|sight| format!("{:.2}", sight.stats.real_time_factor)),
+        Column::number("p50 us", 8, 6, &|sight| format!("{:.1}", sight.stats.tick_micros[0])),
+        Column::number("p99 us", 8, 0, &|sight| format!("{:.1}", sight.stats.tick_micros[1])),
+        Column::number("MAX us", 8, 5, &|sight| format!("{:.1}", sight.stats.tick_micros[2])),
+        Column::number("LATE", 5, 0, &|sight| sight.stats.overruns.to_string()),
+        Column::number("REFUSED", 7, 3, &|sight| sight.stats.commands_refused.to_string()),
+    ];
+    table(&columns, sights, width, |sight| if chosen == Some(&sight.row.arena) { '>' } else { ' ' })
+}
+
+/// Streams and readers of one arena, in at most `width` characters.
+pub fn details(Sight { row, stats, clients }: &Sight, width: usize) -> Vec<String> {
     let mut lines = vec![
         String::new(),
         format!("  {:22} {:>9} {:>9}", format!("STREAMS OF {}", row.arena), "MSG/s", "BYTES/s"),
@@ -56,21 +97,10 @@ pub fn details(Sight { row, stats, clients }: &Sight) -> Vec<String> {
     }
     lines.extend(stats.error_estimate.map(|estimate| error(&estimate)));
     lines.push(String::new());
-    lines.push(format!(
-        "  {:22} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8} {:>9}",
-        format!("CLIENTS OF {}", row.arena),
-        "STATES/s",
-        "BYTES/s",
-        "AGE ms",
-        "MAX ms",
-        "JITTER ms",
-        "LOST",
-        "OVERTAKEN"
-    ));
+    lines.extend(readers(&row.arena, clients, width));
     if clients.is_empty() {
         lines.push("  nobody".to_owned());
     }
-    lines.extend(clients.iter().map(reader));
     lines
 }
 
@@ -82,20 +112,25 @@ fn error(estimate: &ErrorEstimate) -> String {
     )
 }
 
-fn reader(ClientRow { role, id, report, .. }: &ClientRow) -> String {
+fn readers(arena: &str, clients: &[ClientRow], width: usize) -> Vec<String> {
     // A session's own name is a long number; its beginning tells it from others.
-    let name = format!("{} {}", role.chunk(), cut(id.as_str(), 12));
+    let name = |ClientRow { role, id, .. }: &ClientRow| format!("{} {}", role.chunk(), cut(id.as_str(), 12));
     let number = |number: Option<f64>| number.map_or("-".to_owned(), |number| format!("{number:.2}"));
-    let [age, oldest] = report.age_ms.map_or([None; 2], |ages| ages.map(Some)).map(number);
-    format!(
-        "  {:22} {:>9.1} {:>9} {age:>9} {oldest:>9} {:>9} {:>8} {:>9}",
-        cut(&name, 22),
-        report.states_per_s,
-        short(report.bytes_per_s),
-        number(report.jitter_ms),
-        report.lost.map_or("-".to_owned(), |lost| lost.to_string()),
-        report.overtaken
-    )
+    let age = |client: &ClientRow| number(client.report.age_ms.map(|ages| ages[0]));
+    let oldest = |client: &ClientRow| number(client.report.age_ms.map(|ages| ages[1]));
+    let jitter = |client: &ClientRow| number(client.report.jitter_ms);
+    let lost = |client: &ClientRow| client.report.lost.map_or("-".to_owned(), |lost| lost.to_string());
+    let columns: [Column<'_, ClientRow>; 8] = [
+        Column::text(&format!("CLIENTS OF {arena}"), 22, 0, &name),
+        Column::number("STATES/s", 9, 0, &|client| format!("{:.1}", client.report.states_per_s)),
+        Column::number("BYTES/s", 9, 0, &|client| short(client.report.bytes_per_s)),
+        Column::number("AGE ms", 9, 0, &age),
+        Column::number("MAX ms", 9, 0, &oldest),
+        Column::number("JITTER ms", 9, 2, &jitter),
+        Column::number("LOST", 8, 0, &lost),
+        Column::number("OVERTAKEN", 9, 1, &|client| client.report.overtaken.to_string()),
+    ];
+    table(&columns, clients, width, |_| ' ')
 }
 
 /// Its first characters: a column keeps its width.
@@ -160,13 +195,13 @@ pub mod tests {
 
     #[test]
     fn columns_stand_under_their_headings_and_the_chosen_arena_is_marked() {
-        let lines = arenas(&[sight("left"), sight("right")], Some("right"));
+        let lines = arenas(&[sight("left"), sight("right")], Some("right"), usize::MAX);
         assert!(lines[1].starts_with("  left ") && lines[2].starts_with("> right "), "{lines:?}");
         for (heading, value) in [("TICK", "12"), ("TARGET", "2.00"), ("REFUSED", "5")] {
             let end = lines[0].find(heading).unwrap() + heading.len();
             assert!(lines[1][..end].ends_with(value), "{heading}: {lines:?}");
         }
-        let lines = details(&sight("left"));
+        let lines = details(&sight("left"), usize::MAX);
         let reader = lines.last().unwrap();
         assert!(
             reader.contains("viewer v1") && reader.contains("40.00 k") && reader.contains("1.50"),
@@ -176,5 +211,17 @@ pub mod tests {
         assert!(lines.iter().any(|line| line == error), "{lines:?}");
         let end = lines[lines.len() - 2].find("LOST").unwrap() + 4;
         assert!(reader[..end].ends_with('7'), "{lines:?}");
+    }
+
+    #[test]
+    fn what_a_narrow_terminal_has_no_room_for_is_left_out_by_whole_columns() {
+        let mut lines = arenas(&[sight("left")], None, 80);
+        lines.extend(details(&sight("left"), 80));
+        assert!(lines.iter().all(|line| line.chars().count() <= 80), "{lines:#?}");
+        for kept in ["ARENA", "SCENE", "TIME s", "ACTUAL", "p99 us", "LATE"] {
+            assert!(lines[0].contains(kept), "{kept}: {}", lines[0]);
+        }
+        assert!(!lines[0].contains("TICK") && !lines[0].contains("MAX"), "{}", lines[0]);
+        assert_eq!(lines[0].chars().count(), lines[1].chars().count());
     }
 }

@@ -3,8 +3,10 @@
 pub mod billiards;
 pub mod bullet;
 pub mod cradle;
+pub mod crowds;
 mod discs_table;
 pub mod galperin;
+pub mod guises;
 pub mod inelastic;
 pub mod instants;
 pub mod long;
@@ -27,6 +29,8 @@ pub fn cases() -> Vec<Case> {
         inelastic::cases(),
         smooth::cases(),
         long::cases(),
+        guises::cases(),
+        crowds::cases(),
         instants::cases(),
     ]
     .into_iter()

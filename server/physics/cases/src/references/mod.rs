@@ -2,7 +2,8 @@
 //! `generators/trajectories.py` and kept in `data/`.
 //!
 //! Errors are the largest over the ticks of 7 Hz of 10 s. Each file carries the largest difference of any number between
-//! two computations of different order, step and precision; what is written is rounded to f64.
+//! two computations of different order, step and precision, which the title of its cases tells; what is written is rounded
+//! to f64.
 
 mod charts;
 mod compare;
@@ -192,8 +193,7 @@ fn with_hits() -> Vec<Reference> {
 
 /// The scene of a reference and what its file says, by its name.
 pub fn named(name: &str) -> Option<(Scene, Table)> {
-    let all = [with_symmetry(), without_symmetry(), saddles_and_steep(), with_hits()];
-    let reference = all.into_iter().flatten().find(|reference| reference.name == name)?;
+    let reference = all().find(|reference| reference.name == name)?;
     Some((reference.scene(Chart::Plain), Table::read(reference.text)))
 }
 
@@ -213,9 +213,24 @@ pub fn smooth() -> impl Iterator<Item = (&'static str, bool, impl Fn(Accuracy) -
 
 /// Every case of this room.
 pub fn cases() -> Vec<Case> {
-    [with_symmetry(), without_symmetry(), saddles_and_steep(), with_hits()]
-        .into_iter()
-        .flatten()
-        .flat_map(Reference::cases)
-        .collect()
+    all().flat_map(Reference::cases).collect()
+}
+
+fn all() -> impl Iterator<Item = Reference> {
+    [with_symmetry(), without_symmetry(), saddles_and_steep(), with_hits()].into_iter().flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_computations_of_every_reference_agree_far_beyond_what_is_demanded_of_the_engine() {
+        for reference in all() {
+            let table = Table::read(reference.text);
+            assert!(table.own_error <= 1e-20, "{}: {:e}", reference.name, table.own_error);
+            assert_eq!(table.own_error, Table::own_error_of(reference.text), "{}", reference.name);
+            assert_eq!(table.ticks.len(), (RATE_HZ * SECONDS + 1) as usize, "{}", reference.name);
+        }
+    }
 }

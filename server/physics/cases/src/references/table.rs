@@ -42,6 +42,12 @@ impl Table {
         table
     }
 
+    /// The error that a file carries, without reading the rest; not a number if it carries none.
+    pub fn own_error_of(text: &str) -> f64 {
+        let error = text.lines().find_map(|line| line.strip_prefix("error,"));
+        error.and_then(|error| error.parse().ok()).unwrap_or(f64::NAN)
+    }
+
     fn take(&mut self, line: &str) -> Option<()> {
         let (kind, rest) = line.split_once(',')?;
         let numbers: Vec<f64> = rest.split(',').map(str::parse).collect::<Result<_, _>>().ok()?;

@@ -29,6 +29,7 @@ pub(super) use share::Share;
 use super::{Controller, Work};
 use crate::diagnostics::Report;
 use crate::motion::together;
+use crate::schedule::clearance::Clearance;
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{HALO, HITS_KEPT, PHASES_APART_MAX};
 use check::Parting;
@@ -193,6 +194,9 @@ impl Controller {
         self.arcs[ball] = from.arcs[ball];
         self.broad_phase.file(ball, *from.broad_phase.bounds_of(ball));
         self.queue.set(ball, *from.queue.of(ball));
+        // Those near it did not see it come.
+        let Self { broad_phase, queue, .. } = self;
+        broad_phase.neighbours(ball, |other| queue.set_alone(other, Clearance::UNKNOWN));
     }
 }
 

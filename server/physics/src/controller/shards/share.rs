@@ -247,7 +247,9 @@ impl Controller {
     /// To be told before anything of a ball changes.
     #[inline]
     pub(in super::super) fn will_change(&mut self, ball: usize) {
-        if let Some(share) = self.share.take_if(|share| !share.is_changed[ball]) {
+        if self.share.is_some()
+            && let Some(share) = self.share.take_if(|share| !share.is_changed[ball])
+        {
             self.note_before(share, ball);
         }
     }
@@ -276,7 +278,9 @@ impl Controller {
     /// To be told after an event changed a ball.
     #[inline]
     pub(in super::super) fn has_changed(&mut self, ball: usize) {
-        if let Some(share) = self.share.take_if(|share| !share.whole) {
+        if self.share.is_some()
+            && let Some(share) = self.share.take_if(|share| !share.whole)
+        {
             self.note_after(share, ball);
         }
     }
@@ -294,6 +298,12 @@ impl Controller {
     /// have copies among theirs, or the phase does not hold.
     #[inline]
     pub(in super::super) fn reads_neighbours(&mut self, ball: usize) {
+        if self.share.is_some() {
+            self.note_neighbours(ball);
+        }
+    }
+
+    fn note_neighbours(&mut self, ball: usize) {
         if let Some(mut share) = self.share.take_if(|share| share.role[ball] >= Role::Shared) {
             share.read(ball);
             self.broad_phase.neighbours(ball, |other| share.read(other));
