@@ -328,3 +328,68 @@ impl Controller {
         self.work.foresight.list = list;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Accuracy, BallSpec, Floor, HIT_BUDGET, MotionLaw, Place, Scene, Wall};
+    use nalgebra::Vector2;
+
+    /// Balls in rows on a shallow bowl between walls, each with a velocity of its own.
+    fn crowd(rows: usize) -> Scene {
+        let wall = |x: f64, y: f64| {
+            let normal = Vector2::new(-x, -y);
+            Wall { point: -1.3 * normal, normal }
+        };
+        let ball = |k: usize| {
+            let place = Vector2::new((k % rows) as f64, (k / rows) as f64).map(|x| 0.25 * x - 1.1);
+            let [x, y] = [3, 7].map(|p| (k * k * p % 13) as f64 / 6.0 - 1.0);
+            BallSpec {
+                name: format!("{k:03}"),
+                radius: 0.08,
+                mass: 0.5 + (k % 3) as f64,
+                inertia_factor: 0.4,
+                place: Place::Center(place),
+                velocity: Vector3::new(x, y, 0.0),
+                spin: 0.1,
+            }
+        };
+        Scene {
+            floor: Floor::Polynomial {
+                x: [-1.3, 1.3],
+                y: [-1.3, 1.3],
+                terms: vec![vec![0.0, 0.0, 0.05], vec![0.0; 3], vec![0.05, 0.0, 0.0]],
+            },
+            walls: [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)].map(|(x, y)| wall(x, y)).into(),
+            balls: (0..rows * rows).map(ball).collect(),
+            gravity: Vector3::new(0.0, 0.0, -9.81),
+            motion: MotionLaw::Rolling,
+            restitution: 0.97,
+            accuracy: Accuracy::Tolerance(1e-9),
+            hit_budget: HIT_BUDGET,
+        }
+    }
+
+    #[test]
+    fn foresight_changes_no_bit() {
+        let mut with = Controller::new(&crowd(9)).expect("a scene");
+        let mut without = with.clone();
+        without.work.foresight = Foresight::new(0, 1);
+        let mut foreseen = 0;
+        for tick in 1..=120 {
+            let time = Time::of_tick(tick, 60);
+            for engine in [&mut with, &mut without] {
+                if tick % 7 == 3 {
+                    engine.push((tick * 5 % 81) as usize, Vector2::new(0.3, -0.5), 3.0);
+                }
+                engine.advance_to(time);
+            }
+            assert_eq!(with.state_hash(), without.state_hash(), "tick {tick}");
+            assert_eq!(with.hits(), without.hits(), "tick {tick}");
+            foreseen += with.work.foresight.events.iter().filter(|event| **event > time).count();
+        }
+        let wide = with.work.foresight.width > 2;
+        assert!(!wide || foreseen > 60, "{foreseen}");
+        assert!(with.report().collisions.ball_ball > 500);
+    }
+}
