@@ -67,11 +67,9 @@ pub const TURN_MAX: f64 = 64.0 * QUANTUM;
 /// Centre travel in one detection window, in radii. More makes windows rarer and neighbours more; 2 is near
 /// the minimum for a gas that covers a fifth of the floor, and the minimum is flat.
 pub const WINDOW_TRAVEL: f64 = 2.0;
-/// The same over the floor's longer side, where that is more: a grain of dust of 1 mm at 1 m/s would open a thousand windows
-/// a second to see nobody. With a thousand grains among large balls on 16 m a second costs a third of what it does at
-/// 1/65536; a gas that covers a fifth of a floor 600 diameters wide does not feel it. More lets a crowd on a vast floor look
-/// at many neighbours, less makes dust slow.
-pub const WINDOW_FLOOR_SHARE: f64 = 1.0 / 1_024.0;
+/// The same over the floor's longer side, where that is more: a grain of dust would open a window every micrometre.
+/// More lets a crowd on a vast floor look at many neighbours, less makes dust slow.
+pub const WINDOW_FLOOR_SHARE: f64 = 1.0 / 65_536.0;
 /// Longest window, s.
 pub const WINDOW_MAX: f64 = 1.0;
 /// Shortest window, s: 2^-40.
