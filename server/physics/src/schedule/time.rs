@@ -89,15 +89,14 @@ impl Time {
         const QUANTUM_BITS: u32 = 34;
         const OFFSET_BITS: u32 = 64 - QUANTUM_BITS;
         const LAST: i64 = (1 << QUANTUM_BITS) - 1;
-        let quantum = if self.quantum < 0 {
-            0
-        } else if self.quantum > LAST {
-            LAST
-        } else {
-            self.quantum
-        };
+        if self.quantum < 0 {
+            return 0;
+        }
+        if self.quantum >= LAST {
+            return u64::MAX - 1;
+        }
         let offset = self.offset * ((1_i64 << OFFSET_BITS) * QUANTA_PER_SECOND) as f64;
-        (quantum << OFFSET_BITS).cast_unsigned() | (offset as i64).cast_unsigned()
+        (self.quantum << OFFSET_BITS).cast_unsigned() | (offset as i64).cast_unsigned()
     }
 
     fn normalised(mut self) -> Self {
