@@ -45,6 +45,11 @@ struct Arguments {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // Cargo runs a bench in its package's folder; paths are meant from that of the workspace, where it was called.
+    let package = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    if std::env::current_dir()? == package {
+        std::env::set_current_dir(package.join(".."))?;
+    }
     let arguments = Arguments::parse();
     let problems = chosen(&arguments);
     if let Some(path) = &arguments.problems {

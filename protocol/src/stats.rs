@@ -48,8 +48,26 @@ pub struct Stats {
     pub states_skipped: u64,
     /// What went out over the last second, by stream.
     pub streams: Streams,
+    /// How the threads get on that share the run; none where it is in one piece.
+    pub division: Option<Division>,
     /// The running error estimate, where it was asked for and balls could be followed.
     pub error_estimate: Option<ErrorEstimate>,
+}
+
+/// A run that several threads share, each with a strip of the floor and copies of the balls around it. No bit depends on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Division {
+    /// Parts, a thread each.
+    pub shards: u32,
+    /// Balls that parts have beside their own, now.
+    pub copies: u64,
+    /// Phases run in parts and kept, since the run was divided.
+    pub kept: u64,
+    /// Phases undone and run in one piece, because what a part had no copy of could have reached it.
+    pub undone: u64,
+    /// Phases run in one piece at once, because the last ones were undone.
+    pub in_one: u64,
 }
 
 /// How far a few balls are from shadows of theirs that are computed a hundred times more exactly.

@@ -1,4 +1,4 @@
-//! Cost beside error for the scenes that come with the program, or for the scenes named as arguments:
+//! Cost beside error for the scenes that come with the program and a large one, or for the scenes named as arguments:
 //! `cargo bench -p server --bench scenes -- thousand gas:10000`, where the number is that of the balls.
 //!
 //! Each scene is advanced by ticks of 60 Hz, as the server does, after one second of warming up. CPU is the
@@ -21,7 +21,8 @@ const SPAN_S: u64 = 20;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let named: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
-    let scenes = if named.is_empty() { built_in_names().map(str::to_owned).collect() } else { named };
+    let usual = built_in_names().chain(["gas:10000"]);
+    let scenes = if named.is_empty() { usual.map(str::to_owned).collect() } else { named };
     let mut results = Results::of("scenes");
     results.line(format_args!(
         "{:<24}{:>7}{:>12}{:>10}{:>12}{:>12}{:>10}{:>13}{:>12}",

@@ -117,6 +117,9 @@ impl Drop for Hand {
 mod tests {
     use super::*;
     use crate::scene_file::SceneText;
+    use crate::simulation::Simulation;
+    use protocol::stats::Stats;
+    use std::sync::Arc;
 
     fn gas(balls: usize) -> Controller {
         SceneText::open("gas").unwrap().with_balls(Some(balls as u32)).load().unwrap().controller().unwrap()
@@ -135,6 +138,27 @@ mod tests {
         }
         assert_eq!(shared.division().map(|division| division.shards), Some(2));
         assert_eq!(shared.checkpoint(), alone.checkpoint());
+    }
+
+    #[test]
+    fn statistics_tell_of_every_phase_that_threads_shared() {
+        let of = |balls: usize| {
+            let loaded = SceneText::open("gas").unwrap().with_balls(Some(balls as u32)).load().unwrap();
+            let mut simulation =
+                Simulation::new(Arc::new(loaded), 60, 1).unwrap().run_by(Crew::of(2).unwrap());
+            (0..12).for_each(|_| simulation.advance());
+            let mut stats = Stats::default();
+            simulation.write_stats(&mut stats);
+            stats.division
+        };
+        let division = of(2 * SHARD_LEAST_BALLS).unwrap();
+        assert_eq!(division.shards, 2);
+        assert!(division.copies > 0 && division.kept > 0, "{division:?}");
+        assert!(
+            division.kept + division.undone + division.in_one >= 12,
+            "a tick is a phase or more: {division:?}"
+        );
+        assert_eq!(of(100), None);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::scene_file::{LoadedScene, SceneError};
 use ballroom_physics::{Accuracy, Controller, Scene, Time};
 
 /// Evaluations that a kept step takes; a refused one takes four fewer.
-pub const EVALUATIONS_PER_STEP: f64 = 16.0;
+const EVALUATIONS_PER_STEP: f64 = 16.0;
 /// Balls that rehearse at most.
 const BALLS: usize = 8;
 /// How long they do, simulated s: what a tolerance is about.
@@ -18,10 +18,14 @@ const QUARTER_DECADES: std::ops::RangeInclusive<i32> = -52..=-8;
 const TIGHTER: f64 = 100.0;
 /// The most exact that there is, m.
 const TIGHTEST_M: f64 = 1e-13;
+/// The least exact, m.
+pub const LARGEST_M: f64 = 1e-2;
 
 /// What a rehearsal found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rehearsed {
+    /// Evaluations per ball and simulated second that were allowed.
+    pub budget: f64,
     /// The smallest tolerance within the budget, or the largest there is.
     pub tolerance_m: f64,
     /// Evaluations that the balls took with it, per ball and simulated second.
@@ -30,9 +34,23 @@ pub struct Rehearsed {
     pub reached_m: f64,
 }
 
+impl std::fmt::Display for Rehearsed {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { budget, tolerance_m, evaluations, reached_m } = self;
+        let steps = evaluations / EVALUATIONS_PER_STEP;
+        write!(
+            out,
+            "a budget of {budget} evaluations gives a tolerance of {tolerance_m:e} m: it took {evaluations:.0} per ball and \
+             second ({steps:.1} steps) and reached {reached_m:.1e} m after 10 s"
+        )
+    }
+}
+
 /// Finds the tolerance whose work fits in `budget` evaluations per ball and simulated second. Larger tolerances never take more
 /// steps worth speaking of, so that halving finds it.
 pub fn within(loaded: &LoadedScene, budget: f64) -> Result<Rehearsed, SceneError> {
+    // What is refused is refused as a whole: a few balls alone would be named by other numbers.
+    loaded.controller()?;
     let (mut least, mut most) = QUARTER_DECADES.into_inner();
     while least < most {
         let middle = (least + most).div_euclid(2);
@@ -46,7 +64,12 @@ pub fn within(loaded: &LoadedScene, budget: f64) -> Result<Rehearsed, SceneError
     let run = rehearse(loaded, tolerance_m)?;
     let exact = rehearse(loaded, (tolerance_m / TIGHTER).max(TIGHTEST_M))?;
     let apart = run.balls().zip(exact.balls()).map(|(a, b)| (a.center - b.center).norm());
-    Ok(Rehearsed { tolerance_m, evaluations: evaluations(&run), reached_m: apart.fold(0.0, f64::max) })
+    Ok(Rehearsed {
+        budget,
+        tolerance_m,
+        evaluations: evaluations(&run),
+        reached_m: apart.fold(0.0, f64::max),
+    })
 }
 
 /// Ten to a quarter of `quarters`, rounded to two digits: what people would write.

@@ -15,7 +15,7 @@ use protocol::command::{Direction, Refusal, Scope, SteerMode, code};
 use protocol::listing::Selection;
 use protocol::scene::Scene;
 use protocol::snapshot::{Collisions, Roster, Snapshot};
-use protocol::stats::Stats;
+use protocol::stats::{Division, Stats};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -307,6 +307,13 @@ impl Simulation {
         out.fallbacks = report.fallbacks;
         out.negative_reaction_s = report.negative_reaction;
         out.steps = report.steps;
+        out.division = self.controller.division().map(|division| Division {
+            shards: division.shards as u32,
+            copies: division.copies as u64,
+            kept: division.kept,
+            undone: division.undone,
+            in_one: division.in_one,
+        });
     }
 
     /// Hash of everything that influences the future: the engine's, and which forces are held until when.

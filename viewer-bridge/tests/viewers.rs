@@ -1,8 +1,11 @@
 //! Viewers over real connections: what they hold after how long, what they may not do, and how they are found again.
 
-use nalgebra::Vector3;
-use protocol::scene::{Accuracy, Floor, Motion, Scene, Steering, Walls};
-use protocol::snapshot::{Roster, Snapshot, World};
+#[path = "common/crowd.rs"]
+mod crowd;
+
+use crowd::state;
+use protocol::scene::Floor;
+use protocol::snapshot::World;
 use re_protos::sdk_comms::v1alpha1::message_proxy_service_client::MessageProxyServiceClient;
 use re_protos::sdk_comms::v1alpha1::{ReadMessagesRequest, ReadMessagesResponse, WriteMessagesRequest};
 use rerun::RecordingStreamBuilder;
@@ -26,52 +29,9 @@ use viewer_bridge::{ball_view, push, scene_view, watch};
 /// How long anything may take for which no claim says how long.
 const PATIENCE: Duration = Duration::from_mins(1);
 
+/// So many balls that go round on a plane.
 fn world(balls: usize) -> World {
-    let scene = Scene {
-        version: 1,
-        name: "test".into(),
-        description: String::new(),
-        gravity_m_per_s2: [0.0, 0.0, -9.8],
-        motion: Motion::Rolling,
-        restitution: 1.0,
-        accuracy: Accuracy::default(),
-        hit_budget: 1 << 22,
-        floor: Floor::Polynomial { x_m: [-10.0, 10.0], y_m: [-10.0, 10.0], terms: vec![] },
-        walls: Walls::default(),
-        steering: Steering::default(),
-        balls: vec![],
-        clouds: vec![],
-    };
-    let roster = Roster {
-        names: (0..balls).map(|ball| format!("b{ball:05}")).collect(),
-        radius_m: vec![0.1; balls],
-        mass_kg: vec![1.0; balls],
-        inertia_factor: vec![0.4; balls],
-        color_rgb: vec![[200, 60, 40]; balls],
-        player: vec![false; balls],
-        ..Roster::default()
-    };
-    World { scene, roster, tick_rate_hz: 60, snapshot: state(balls, 0) }
-}
-
-fn state(balls: usize, tick: u64) -> Snapshot {
-    let place = |ball: usize| {
-        let angle = ball as f64 + 0.01 * tick as f64;
-        Vector3::new(9.0 * angle.cos(), 9.0 * angle.sin(), 0.1)
-    };
-    let each = || (0..balls).map(place);
-    Snapshot {
-        epoch: 1,
-        tick,
-        time_s: tick as f64 / 60.0,
-        wall_ns: 1_700_000_000_000_000_000 + tick * 16_666_667,
-        uv: each().map(|c| [0.5 + c.x / 20.0, 0.5 + c.y / 20.0]).collect(),
-        center_m: each().map(Into::into).collect(),
-        velocity_m_per_s: vec![[1.0, 0.0, 0.0]; balls],
-        omega_rad_per_s: vec![[0.0, 10.0, 0.0]; balls],
-        orientation_xyzw: vec![[0.0, 0.0, 0.0, 1.0]; balls],
-        ..Snapshot::default()
-    }
+    crowd::world(Floor::Polynomial { x_m: [-10.0, 10.0], y_m: [-10.0, 10.0], terms: vec![] }, balls)
 }
 
 /// A recording into a hub.

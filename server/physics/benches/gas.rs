@@ -1,14 +1,18 @@
 //! What a gas costs, on a bowl and on a plane, for 10 to 100 000 balls, and a crowd of radii 1000 : 1 with so many grains of
-//! dust: `cargo bench -p ballroom-physics --bench gas -- [bowl|plane|dusty] [balls ...] [--seconds S] [--look]`.
+//! dust: `cargo bench -p ballroom-physics --bench gas -- [bowl|plane|dusty] [balls ...] [--seconds S] [--look] [--save]`.
 //!
 //! Each run is advanced by ticks of 60 Hz for S simulated seconds (2, or fewer for many balls) after half a second of
 //! warming up. Nothing but the last state is looked at; with `--look` every ball is read at every tick, orientation
 //! and all. CPU is the process's own time. Overlap is the deepest at any impact, in the smallest radii; energy the relative change.
-//! The exponent is the slope of the logarithms of cost and number by least squares.
+//! The exponent is the slope of the logarithms of cost and number by least squares. `--save` keeps the table for this machine.
+
+#[path = "common/results.rs"]
+mod results;
 
 use ballroom_cases::gas;
 use ballroom_physics::{Controller, Observer, Report, Scene, Time};
 use cpu_time::ProcessTime;
+use results::Results;
 
 const RATE_HZ: u64 = 60;
 const WARM_UP_TICKS: u64 = RATE_HZ / 2;
@@ -40,10 +44,11 @@ fn options() -> Options {
     options
 }
 
-fn main() {
+fn main() -> std::io::Result<()> {
     let options = options();
+    let mut results = Results::of("gas");
     for floor in &options.floors {
-        println!(
+        results.line(format_args!(
             "{floor:<6}{:>8}{:>14}{:>12}{:>10}{:>12}{:>10}{:>14}{:>12}{:>18}",
             "balls",
             "CPU s per s",
@@ -54,7 +59,7 @@ fn main() {
             "energy error",
             "overlap/r",
             "state hash"
-        );
+        ));
         let usual: &[usize] = if floor == "dusty" { &DUST } else { &COUNTS };
         let counts = if options.counts.is_empty() { usual } else { &options.counts };
         let costs: Vec<(f64, f64)> = counts
@@ -65,17 +70,18 @@ fn main() {
                     "dusty" => gas::dusty(*count),
                     _ => gas::on_a_bowl(*count),
                 };
-                (scene.balls.len() as f64, measure(&scene, &options))
+                (scene.balls.len() as f64, measure(&scene, &options, &mut results))
             })
             .collect();
         if costs.len() > 1 && floor != "dusty" {
-            println!("{floor}: cost grows as N^{:.3}", exponent(&costs));
+            results.line(format_args!("{floor}: cost grows as N^{:.3}", exponent(&costs)));
         }
     }
+    results.finish()
 }
 
 /// CPU seconds a simulated second.
-fn measure(scene: &Scene, options: &Options) -> f64 {
+fn measure(scene: &Scene, options: &Options, results: &mut Results) -> f64 {
     let count = scene.balls.len();
     let smallest = scene.balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
     let seconds = options.seconds.unwrap_or_else(|| (2e4 / count as f64).clamp(1.0, 20.0));
@@ -89,7 +95,7 @@ fn measure(scene: &Scene, options: &Options) -> f64 {
     let after = engine.report();
     let hits = |report: &Report| (report.collisions.ball_ball + report.collisions.ball_wall) as f64;
     let (hit, span) = (hits(&after) - hits(&before), ticks as f64 / RATE_HZ as f64);
-    println!(
+    results.line(format_args!(
         "{:>14}{:>14.5}{:>12.0}{:>10.3}{:>12.0}{:>10.2}{:>14.1e}{:>12.1e}  {:016x}",
         count,
         cpu / span,
@@ -100,7 +106,7 @@ fn measure(scene: &Scene, options: &Options) -> f64 {
         (engine.energy() / energy - 1.0).abs(),
         after.deepest_penetration / smallest,
         engine.state_hash(),
-    );
+    ));
     cpu / span
 }
 

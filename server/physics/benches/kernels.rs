@@ -1,7 +1,11 @@
 //! What the kernels cost, with the error beside every time.
 //!
 //! `cargo bench -p ballroom-physics --bench kernels`. Times are CPU times, the least of several rounds; errors are
-//! the largest of a centre over all states at 60 Hz of 10 s, beside the same balls at 1e-13 m.
+//! the largest of a centre over all states at 60 Hz of 10 s, beside the same balls at 1e-13 m. `--save` keeps the table
+//! for this machine.
+
+#[path = "common/results.rs"]
+mod results;
 
 use ballroom_cases::scenes::walls;
 use ballroom_physics::motion::arc::Arc;
@@ -13,6 +17,7 @@ use ballroom_physics::tolerance::STEP_FIRST;
 use ballroom_physics::{Accuracy, BallSpec, Controller, Floor, HIT_BUDGET, MotionLaw, Place, Scene, Time};
 use cpu_time::ProcessTime;
 use nalgebra::{Vector2, Vector3};
+use results::Results;
 use std::hint::black_box;
 
 /// Simulated seconds of a ride.
@@ -24,13 +29,15 @@ const STAGES: u32 = 16;
 /// Free balls at once.
 const BALLS: usize = 1000;
 
-fn main() {
-    println!("{:<44}{:>12}{:>14}", "", "us per s", "error, m");
+fn main() -> std::io::Result<()> {
+    let mut results = Results::of("kernels");
+    results.line(format_args!("{:<44}{:>12}{:>14}", "", "us per s", "error, m"));
     for tolerance in [1e-9, 1e-12] {
-        alone(tolerance);
-        bound(tolerance);
-        free(tolerance);
+        alone(tolerance, &mut results);
+        bound(tolerance, &mut results);
+        free(tolerance, &mut results);
     }
+    results.finish()
 }
 
 /// The floor of the scene `bicubic`.
@@ -73,7 +80,7 @@ fn scene(tolerance: f64) -> Scene {
 }
 
 /// What one ball cannot go below: its evaluations of the right-hand side, each of which waits for the one before.
-fn bound(tolerance: f64) {
+fn bound(tolerance: f64, results: &mut Results) {
     let mut engine = Controller::new(&scene(tolerance)).expect("a good scene");
     engine.advance_to(Time::of_seconds(f64::from(SECONDS)));
     let evaluations = engine.report().steps * u64::from(STAGES) / u64::from(SECONDS);
@@ -87,11 +94,11 @@ fn bound(tolerance: f64) {
     });
     black_box(state);
     let what = format!("alone, {tolerance:.0e} m, bound: {evaluations} of {:.0} ns", 1e9 * each);
-    println!("{what:<44}{:>12.2}", evaluations as f64 * each * 1e6);
+    results.line(format_args!("{what:<44}{:>12.2}", evaluations as f64 * each * 1e6));
 }
 
-fn row(what: &str, us: f64, error: f64) {
-    println!("{what:<44}{us:>12.2}{error:>14.1e}");
+fn row(results: &mut Results, what: &str, us: f64, error: f64) {
+    results.line(format_args!("{what:<44}{us:>12.2}{error:>14.1e}"));
 }
 
 /// The least CPU time of a call, s; each round makes `calls` of them.
@@ -108,7 +115,7 @@ fn least(rounds: u32, calls: u32, mut call: impl FnMut()) -> f64 {
 }
 
 /// One ball in a whole engine: when states are asked for at the end only, and at every tick.
-fn alone(tolerance: f64) {
+fn alone(tolerance: f64, results: &mut Results) {
     let start = Controller::new(&scene(tolerance)).expect("a good scene");
     let mut fine = Controller::new(&scene(1e-13)).expect("a good scene");
     let mut engine = start.clone();
@@ -128,7 +135,7 @@ fn alone(tolerance: f64) {
             }
             black_box(engine.ball(0));
         });
-        row(&format!("alone, {tolerance:.0e} m, {name}"), time * 1e6 / f64::from(SECONDS), error);
+        row(results, &format!("alone, {tolerance:.0e} m, {name}"), time * 1e6 / f64::from(SECONDS), error);
     }
 }
 
@@ -212,7 +219,7 @@ impl Free {
 }
 
 /// Many balls, arcs only.
-fn free(tolerance: f64) {
+fn free(tolerance: f64, results: &mut Results) {
     let (mut coarse, mut fine) = (Free::new(tolerance), Free::new(1e-13));
     let mut error = 0.0_f64;
     for tick in 1..=u64::from(SECONDS * RATE_HZ) {
@@ -222,14 +229,19 @@ fn free(tolerance: f64) {
         let apart = coarse.centers(time).zip(fine.centers(time)).map(|(a, b)| (a - b).norm());
         error = apart.fold(error, f64::max);
     }
-    let run = |name: &str, advance: fn(&mut Free, Time)| {
+    let mut run = |name: &str, advance: fn(&mut Free, Time)| {
         let mut free = Free::new(tolerance);
         let mut seconds = 0;
         let time = least(30, 1, || {
             seconds += 1;
             advance(&mut free, Time::of_seconds(f64::from(seconds)));
         });
-        row(&format!("one of {BALLS} free, {tolerance:.0e} m, {name}"), time * 1e6 / BALLS as f64, error);
+        row(
+            results,
+            &format!("one of {BALLS} free, {tolerance:.0e} m, {name}"),
+            time * 1e6 / BALLS as f64,
+            error,
+        );
     };
     run("one at a time", Free::advance);
     run("side by side", Free::advance_together);

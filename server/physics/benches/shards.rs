@@ -1,17 +1,23 @@
 //! What a gas costs in one piece and in shards on as many threads, in CPU and in wall time:
-//! `cargo bench -p ballroom-physics --bench shards -- [bowl|plane] [balls ...] [--shards N] [--seconds S]`.
+//! `cargo bench -p ballroom-physics --bench shards -- [bowl|plane] [balls ...] [--shards N] [--seconds S] [--save]`.
 //!
 //! Ticks of 60 Hz for S simulated seconds (1) after half a second of warming up. Kept and undone count phases, cuts how
 //! often balls were dealt out anew; copies are what shards have beside their own, over all balls. Hashes must agree.
+//! `--save` keeps the table for this machine.
+
+#[path = "common/results.rs"]
+mod results;
 
 use ballroom_cases::gas;
 use ballroom_physics::{Controller, Shard, Time};
 use cpu_time::ProcessTime;
+use results::Results;
 use std::time::Instant;
 
 const RATE_HZ: u32 = 60;
 
-fn main() {
+fn main() -> std::io::Result<()> {
+    let mut results = Results::of("shards");
     let words: Vec<String> = std::env::args().skip(1).collect();
     let after = |name: &str| words.iter().skip_while(|word| *word != name).nth(1);
     let shards = after("--shards").and_then(|n| n.parse().ok()).unwrap_or(2);
@@ -22,8 +28,8 @@ fn main() {
         counts = vec![1_000, 10_000, 100_000];
     }
     let floors: Vec<&String> = plain.filter(|word| word.parse::<usize>().is_err()).collect();
-    println!(
-        "floor     balls  shards  CPU s per s  wall s per s    kept  undone  in one    cuts  copies  state hash"
+    results.line(
+        "floor     balls  shards  CPU s per s  wall s per s    kept  undone  in one    cuts  copies  state hash",
     );
     for floor in
         ["bowl", "plane"].iter().filter(|name| floors.is_empty() || floors.iter().any(|f| f == *name))
@@ -40,7 +46,7 @@ fn main() {
                 advance(&mut engine, 30, 30 + ticks);
                 let spent = [cpu.elapsed(), wall.elapsed()].map(|t| t.as_secs_f64() / seconds);
                 let went = engine.division().unwrap_or_default();
-                println!(
+                results.line(format_args!(
                     "{floor:<6}{count:>9}{shards:>8}{:>13.4}{:>14.4}{:>8}{:>8}{:>8}{:>8}{:>7.1}%  {:016x}",
                     spent[0],
                     spent[1],
@@ -50,10 +56,11 @@ fn main() {
                     went.cuts,
                     100.0 * went.copies as f64 / *count as f64,
                     engine.state_hash(),
-                );
+                ));
             }
         }
     }
+    results.finish()
 }
 
 fn advance(engine: &mut Controller, from: u64, to: u64) {

@@ -56,6 +56,8 @@ pub struct Report {
     pub steering_work: f64,
     /// Integration steps, kept and thrown away.
     pub steps: u64,
+    /// Searches for what a ball will meet within its window.
+    pub searches: u64,
     /// Pairs looked at, and pairs whose distance polynomial was formed.
     pub pairs: [u64; 2],
     /// Hits left out of the list because it was full.
@@ -73,6 +75,7 @@ impl Report {
         self.clusters += other.clusters;
         self.fallbacks += other.fallbacks;
         self.steps += other.steps;
+        self.searches += other.searches;
         self.pairs[0] += other.pairs[0];
         self.pairs[1] += other.pairs[1];
         self.hits_dropped += other.hits_dropped;
@@ -94,6 +97,7 @@ impl Report {
             negative_reaction: self.negative_reaction - before.negative_reaction,
             steering_work: self.steering_work - before.steering_work,
             steps: self.steps - before.steps,
+            searches: self.searches - before.searches,
             pairs: [self.pairs[0] - before.pairs[0], self.pairs[1] - before.pairs[1]],
             hits_dropped: self.hits_dropped - before.hits_dropped,
         }

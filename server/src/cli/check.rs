@@ -3,6 +3,7 @@
 use super::ball_count::BallCount;
 use ballroom_physics::surface::certify::{Certificate, certify};
 use protocol::scene::{Accuracy, Floor, Scene};
+use server::LoadedScene;
 use server::simulation::Simulation;
 use std::io::Write;
 use std::sync::Arc;
@@ -42,7 +43,7 @@ impl Check {
         let physics = loaded.physics();
         let motion = format!("{:?}", physics.motion).to_lowercase();
         writeln!(out, "motion     {motion}, restitution {}", physics.restitution)?;
-        writeln!(out, "accuracy   {}", accuracy(scene.accuracy))?;
+        writeln!(out, "accuracy   {}", accuracy(&loaded))?;
         writeln!(out, "energy     {} J at the start", controller.energy())?;
         let mut radii = roster.radius_m.clone();
         radii.sort_unstable_by(|a, b| b.total_cmp(a));
@@ -97,9 +98,13 @@ fn certified(certificate: &Certificate, radii: &[f64]) -> String {
     lines.join("\n") + "\n"
 }
 
-fn accuracy(accuracy: Accuracy) -> String {
-    match accuracy {
-        Accuracy::Tolerance { tolerance_m } => format!("{tolerance_m:e} m over 10 s of smooth motion"),
+fn accuracy(loaded: &LoadedScene) -> String {
+    match loaded.scene().accuracy {
+        Accuracy::Tolerance { tolerance_m } => {
+            let bought = loaded.budget().map_or(String::new(), |found| format!(": {found}"));
+            format!("{tolerance_m:e} m over 10 s of smooth motion{bought}")
+        }
+        Accuracy::Budget { budget_evaluations } => format!("what {budget_evaluations} evaluations pay for"),
         Accuracy::Fixed { integrator, step_s } => format!("{integrator:?} with steps of {step_s} s"),
     }
 }

@@ -1,7 +1,7 @@
 //! A scene with another accuracy than it says.
 
-use server::rehearsal::{EVALUATIONS_PER_STEP, within};
-use server::{SceneError, SceneText};
+use protocol::scene::Accuracy;
+use server::SceneText;
 
 /// How exactly a scene shall be run.
 #[derive(clap::Args)]
@@ -17,18 +17,10 @@ pub struct Dial {
 
 impl Dial {
     /// The scene with what was asked for.
-    pub fn of(&self, scene: SceneText) -> Result<SceneText, SceneError> {
-        let Some(budget) = self.budget else { return Ok(scene.with_tolerance(self.tolerance)) };
-        let found = within(&scene.load()?, budget)?;
-        tracing::info!(
-            "a budget of {budget} evaluations gives a tolerance of {:e} m: it took {:.0} per ball and second ({:.1} steps) and \
-             reached {:.1e} m after 10 s",
-            found.tolerance_m,
-            found.evaluations,
-            found.evaluations / EVALUATIONS_PER_STEP,
-            found.reached_m
-        );
-        Ok(scene.with_tolerance(Some(found.tolerance_m)))
+    pub fn of(&self, scene: SceneText) -> SceneText {
+        let tolerance = self.tolerance.map(|tolerance_m| Accuracy::Tolerance { tolerance_m });
+        let budget = self.budget.map(|budget_evaluations| Accuracy::Budget { budget_evaluations });
+        scene.with_accuracy(tolerance.or(budget))
     }
 }
 

@@ -33,7 +33,7 @@ type Samples = Vec<(String, f64)>;
 type Metric = (&'static str, &'static str, &'static str, fn(&Sight) -> Samples);
 
 /// Counters begin anew with the epoch or the arena, as a scraper expects of a restart.
-const METRICS: [Metric; 15] = [
+const METRICS: [Metric; 17] = [
     ("ballroom_tick", "counter", "Ticks of the epoch", |s| one(s.row.tick as f64)),
     ("ballroom_balls", "gauge", "Balls", |s| one(s.row.balls as f64)),
     ("ballroom_state", "gauge", "0 stopped, 1 playing, 2 paused, 3 quitting", |s| {
@@ -54,6 +54,14 @@ const METRICS: [Metric; 15] = [
     ("ballroom_energy_joules", "gauge", "Total energy", |s| one(s.stats.energy_j[0])),
     ("ballroom_error_metres", "gauge", "Estimated error of the balls that are followed, the largest", |s| {
         s.stats.error_estimate.map_or_else(Samples::new, |estimate| one(estimate.error_m))
+    }),
+    ("ballroom_shards", "gauge", "Threads that share the run", |s| {
+        one(s.stats.division.map_or(1.0, |division| f64::from(division.shards)))
+    }),
+    ("ballroom_shared_phases", "counter", "Phases of a run that threads share", |s| {
+        let division = s.stats.division.unwrap_or_default();
+        let phases = [("kept", division.kept), ("undone", division.undone), ("in_one", division.in_one)];
+        phases.map(|(result, count)| (label("result", result), count as f64)).into()
     }),
     ("ballroom_hits", "counter", "Hits of the epoch", |s| {
         let hits = s.stats.collisions;
@@ -125,6 +133,8 @@ mod tests {
             }
         }
         assert!(text.contains("ballroom_client_lost_states{arena=\"left\",role=\"viewer\",id=\"v1\"} 7\n"));
+        assert!(text.contains("ballroom_shards{arena=\"left\"} 2\n"), "{text}");
+        assert!(text.contains("ballroom_shared_phases{arena=\"right\",result=\"undone\"} 4\n"), "{text}");
         assert!(text.contains("ballroom_commands{arena=\"left\",result=\"refused\"} 5\n"), "{text}");
     }
 }

@@ -128,16 +128,16 @@ impl Serve {
         }
         let open = |spec: &Spec| {
             let name = spec.name.as_ref().unwrap_or(&self.arena);
-            Ok((name.clone(), self.dial.of(self.count.open(&spec.scene)?)?))
+            Ok((name.clone(), self.dial.of(self.count.open(&spec.scene)?)))
         };
         let named = self.scenes.iter().map(open).collect::<anyhow::Result<Vec<_>>>()?;
         if !named.is_empty() {
             return Ok(named);
         }
         let scene = match found {
-            Some(scene) => self.dial.of(self.count.of(scene))?,
+            Some(scene) => self.dial.of(self.count.of(scene)),
             None if self.resume.is_some() => bail!("name the scene that the run belongs to"),
-            None => self.dial.of(self.count.open("original")?)?,
+            None => self.dial.of(self.count.open("original")?),
         };
         Ok(vec![(self.arena.clone(), scene)])
     }

@@ -65,7 +65,7 @@ pub struct Simulate {
 
 impl Simulate {
     pub fn run(self) -> anyhow::Result<()> {
-        let loaded = Arc::new(self.dial.of(self.count.open(&self.scene)?)?.load()?);
+        let loaded = Arc::new(self.dial.of(self.count.open(&self.scene)?).load()?);
         let crew = Crew::of(self.threads.map_or_else(all_cores, |threads| threads as usize))?;
         let mut simulation = Simulation::new(loaded, self.rate, 0)?;
         if let Some(file) = self.save.as_ref().filter(|file| file.exists()) {

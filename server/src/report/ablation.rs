@@ -173,7 +173,8 @@ fn section(uses: &BTreeMap<&str, Use>, layers: &[(&str, f64)]) -> Section {
         (show_layers(layers))
     }
     .into_string();
-    section.tables = vec![used_table(uses), unused_table(&unused)];
+    // What is kept with the engine has its file there.
+    section.tables = vec![used_table(uses)];
     section.json = json_of(uses, &unused, layers);
     section
 }
@@ -247,12 +248,6 @@ fn used_table(uses: &BTreeMap<&str, Use>) -> Table {
     for (name, used) in uses {
         table.push([(*name).to_owned(), numbers::csv(used.micros), numbers::csv(used.instructions)]);
     }
-    table
-}
-
-fn unused_table(unused: &[Vec<String>]) -> Table {
-    let mut table = Table::new("ablation", &UNUSED_HEADER);
-    table.rows = unused.to_vec();
     table
 }
 

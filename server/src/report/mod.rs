@@ -19,7 +19,7 @@
 //! | [`energy`] | what becomes of it in a long run |
 //! | [`scaling`] | cost and hits against the number of balls |
 //! | [`ticks`] | how long they take, and which bits come out |
-//! | [`phases`] | where the time goes |
+//! | [`phases`], [`replay`] | where the time goes; a run's work done again, kind by kind |
 //! | [`hard_cases`] | what is demanded, and what is done |
 //! | [`ablation`] | what each feature costs, used and not |
 //! | [`clock`] | CPU time of a piece of work |
@@ -39,6 +39,7 @@ pub mod page;
 pub mod phases;
 pub mod plot;
 pub mod reference;
+pub mod replay;
 pub mod scaling;
 pub mod section;
 pub mod subject;

@@ -1,246 +1,260 @@
-//! Where the time goes.
-//!
-//! The engine has no clock, and a sampling profile sees little of loops that are inlined. It counts, though. Variants
-//! of the scene (fewer balls, smaller ones, other tolerances) mix the counts in other proportions, so that the cost of one
-//! of each can be fitted to CPU times. Pairs looked at, pairs whose distance polynomial is formed and hits keep nearly one
-//! proportion in all variants: their costs cannot be told apart so, and are shown as one.
+//! Where the time goes: what a run counts, each at the cost that its work has outside the engine, beside the whole as it was
+//! measured. See [`super::replay`].
 
 use super::clock::cost;
 use super::numbers::{self, plain};
+use super::replay::{self, Costs, Seen};
 use super::section::{Table, table};
-use super::subject::Subject;
+use super::subject::{RATE_HZ, Subject, tick};
 use super::{Options, ReportError};
-use ballroom_physics::{Accuracy, Report, Scene, Time};
+use ballroom_physics::Report;
 use maud::{Markup, html};
-use nalgebra::{DMatrix, DVector};
 use serde_json::{Value, json};
 
-/// Parts of the time.
-const PARTS: usize = 3;
-/// A fit that is off by more than this says nothing about parts.
-const HOLDS: f64 = 0.2;
-/// What is counted.
-const KINDS: [&str; PARTS] = ["windows, queue", "arcs", "meetings"];
-/// The same, in words for the page.
-const COUNTS: [&str; PARTS] = ["ball-seconds over radius", "steps", "pairs looked at"];
-/// Factors of all radii in the variants.
-const RADII: [f64; 3] = [1.0, 0.8, 0.6];
-/// One ball of so many is in a variant.
-const STRIDES: [usize; 4] = [1, 2, 4, 8];
+/// Parts that are together more than the whole by more than this were not timed alike.
+const HOLDS: f64 = 0.1;
+/// Parts, and by what they are counted.
+const PARTS: [(&str, &str); 5] = [
+    ("arcs", "steps, or hits on a plane"),
+    ("broad phase", "searches"),
+    ("roots", "walls and pairs looked at"),
+    ("impacts", "hits"),
+    ("queue", "searches"),
+];
 
-/// One variant of the scene, run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Sample {
-    counts: [f64; PARTS],
-    formed_and_hits: [f64; 2],
-    cpu_s: f64,
-}
-
-/// What one of each costs, and how much of the scene's time that is.
+/// What a scene's time is made of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phases {
-    /// The scene itself.
-    whole: Sample,
-    /// Simulated seconds of it.
+    /// Simulated seconds that were counted and timed.
     span_s: f64,
     balls: usize,
-    /// CPU time of one of each kind, s.
-    each_s: [f64; PARTS],
-    /// Pairs whose distance polynomial was formed, and hits.
-    formed_and_hits: [f64; 2],
-    /// Root mean square of the relative distance between fitted and measured times.
-    residual: f64,
-    variants: usize,
+    /// CPU time of the run, s.
+    whole_s: f64,
+    counted: Report,
+    /// CPU time of each part by its counts, s.
+    parts: [f64; PARTS.len()],
+    /// How often each part's work came up.
+    counts: [f64; PARTS.len()],
 }
 
-/// Runs the variants and fits.
+/// Runs the scene, and does parts of its work again.
 pub fn measure(subject: &Subject, options: &Options) -> Result<Phases, ReportError> {
-    let span_s = match (subject.balls(), options.quick) {
-        (0..100, true) => 5.0,
-        (0..100, false) => 20.0,
-        (_, true) => 0.5,
-        (_, false) => 1.0,
+    let seconds = match (subject.balls(), options.quick) {
+        (0..100, true) => 5,
+        (0..100, false) => 20,
+        (_, true) => 1,
+        (_, false) => 3,
     };
-    let whole = sample(subject, subject.scene(), 1.0, span_s)?;
-    let mut samples = vec![whole];
-    if subject.balls() > 1 {
-        for (scene, factor) in variants(subject, options).into_iter().skip(1) {
-            samples.push(sample(subject, &scene, factor, span_s)?);
-        }
-    }
-    let (each_s, residual) = if subject.balls() == 1 {
-        // Nothing to tell apart: no pairs, and hits on walls only.
-        ([whole.cpu_s / whole.counts[0], 0.0, 0.0], 0.0)
-    } else {
-        fit(&samples)
-    };
+    let ticks = seconds * RATE_HZ as usize;
+    let start = subject.start(subject.own())?;
+    let mut counted = Report::default();
+    let whole_s = cost(
+        || start.clone(),
+        |run| {
+            (1..=ticks).for_each(|n| {
+                run.advance_to(tick(n));
+            });
+            counted = run.report().since(&start.report());
+        },
+    );
+    let (costs, seen) = replay::measure(subject, ticks, if options.quick { 2 } else { 4 })?;
+    let (parts, counts) = parts(&counted, &costs, &seen);
     Ok(Phases {
-        whole,
-        span_s,
+        span_s: seconds as f64,
         balls: subject.balls(),
-        each_s,
-        formed_and_hits: whole.formed_and_hits,
-        residual,
-        variants: samples.len(),
+        whole_s: whole_s.seconds,
+        counted,
+        parts,
+        counts,
     })
 }
 
-/// Scenes with other proportions of everything: with every second, fourth … ball only, with smaller balls, with other
-/// tolerances.
-fn variants(subject: &Subject, options: &Options) -> Vec<(Scene, f64)> {
-    let mut accuracies = vec![subject.own()];
-    if !subject.is_flat() {
-        accuracies.push(Accuracy::Tolerance(1e-4));
-        accuracies.extend((!options.quick).then_some(Accuracy::Tolerance(1e-12)));
-    }
-    let mut variants = Vec::new();
-    for accuracy in accuracies {
-        for stride in STRIDES {
-            for factor in RADII {
-                let mut scene = Scene { accuracy, ..subject.scene().clone() };
-                scene.balls = scene.balls.into_iter().step_by(stride).collect();
-                scene.balls.iter_mut().for_each(|ball| ball.radius *= factor);
-                variants.push((scene, factor));
-            }
-        }
-    }
-    variants
-}
-
-fn sample(subject: &Subject, scene: &Scene, factor: f64, span_s: f64) -> Result<Sample, ReportError> {
-    let start = subject.start_of(scene)?;
-    let mut report = Report::default();
-    let cost = cost(|| start.clone(), |run| report = run.advance_to(Time::of_seconds(span_s)));
-    let hits = report.collisions.ball_ball + report.collisions.ball_wall;
-    let [steps, looked_at, formed, hits] =
-        [report.steps, report.pairs[0], report.pairs[1], hits].map(|n| n as f64);
-    // A window is so many radii long: smaller balls have more of them.
-    let windows = scene.balls.len() as f64 * span_s / factor;
-    Ok(Sample { counts: [windows, steps, looked_at], formed_and_hits: [formed, hits], cpu_s: cost.seconds })
-}
-
-/// The costs, none below zero, whose sums come nearest to the measured times by the squares of the relative distances:
-/// the best of all choices of kinds that may cost something.
-fn fit(samples: &[Sample]) -> ([f64; PARTS], f64) {
-    let mut best = ([0.0; PARTS], f64::INFINITY);
-    for chosen in 1_usize..1 << KINDS.len() {
-        let kinds: Vec<usize> = (0..KINDS.len()).filter(|kind| chosen >> kind & 1 == 1).collect();
-        let matrix = DMatrix::from_fn(samples.len(), kinds.len(), |row, column| {
-            samples[row].counts[kinds[column]] / samples[row].cpu_s
-        });
-        let ones = DVector::from_element(samples.len(), 1.0);
-        let Ok(solved) = matrix.clone().svd(true, true).solve(&ones, 1e-12) else { continue };
-        let residual = ((&matrix * &solved - &ones).norm_squared() / samples.len() as f64).sqrt();
-        if solved.iter().all(|&cost| cost >= 0.0) && residual < best.1 {
-            best = ([0.0; PARTS], residual);
-            kinds.iter().zip(solved.iter()).for_each(|(&kind, &cost)| best.0[kind] = cost);
-        }
-    }
-    best
+/// Counts times costs, and the counts.
+fn parts(counted: &Report, costs: &Costs, seen: &Seen) -> ([f64; PARTS.len()], [f64; PARTS.len()]) {
+    let [of_two, of_wall, searches, pairs, steps] = [
+        counted.collisions.ball_ball,
+        counted.collisions.ball_wall,
+        counted.searches,
+        counted.pairs[0],
+        counted.steps,
+    ]
+    .map(|count| count as f64);
+    let hits = of_two + of_wall;
+    // Steps after hits cost what arcs after hits do; the others are computed side by side where that pays.
+    let steps_an_arc = seen.steps as f64 / seen.arcs.max(1) as f64;
+    let undisturbed = (steps - steps_an_arc * (2.0 * of_two + of_wall)).max(0.0);
+    let parts = [
+        of_two * costs.arcs_of_two + of_wall * costs.arc_of_one + undisturbed * costs.step,
+        searches * costs.search,
+        searches * costs.walls + pairs * costs.pair,
+        of_two * costs.hit_of_two + of_wall * costs.hit_of_wall,
+        searches * costs.queue,
+    ];
+    (parts, [if steps > 0.0 { steps } else { hits }, searches, searches + pairs, hits, searches])
 }
 
 impl Phases {
     /// Hits on balls and walls a simulated second.
     pub fn hits_per_second(&self) -> f64 {
-        self.formed_and_hits[1] / self.span_s
+        let hits = self.counted.collisions;
+        (hits.ball_ball + hits.ball_wall) as f64 / self.span_s
     }
 
-    /// CPU time a ball and simulated second that a kind takes by the fit, µs.
-    fn micros(&self, kind: usize) -> f64 {
-        1e6 * self.whole.counts[kind] * self.each_s[kind] / (self.balls as f64 * self.span_s)
+    fn ball_seconds(&self) -> f64 {
+        self.balls as f64 * self.span_s
     }
 
-    /// The same of all, measured, µs.
-    fn measured(&self) -> f64 {
-        1e6 * self.whole.cpu_s / (self.balls as f64 * self.span_s)
+    /// What the parts leave of the whole, s; below zero where they are more.
+    fn rest(&self) -> f64 {
+        self.whole_s - self.parts.iter().sum::<f64>()
+    }
+
+    /// Microseconds a ball-second.
+    fn micros(&self, seconds: f64) -> f64 {
+        1e6 * seconds / self.ball_seconds()
+    }
+
+    /// CPU time of one of a part, ns; nothing where there is none.
+    fn nanos_each(&self, part: usize) -> f64 {
+        if self.counts[part] == 0.0 { 0.0 } else { 1e9 * self.parts[part] / self.counts[part] }
     }
 
     /// The part of the page.
     pub fn show(&self) -> Markup {
-        let ball_seconds = self.balls as f64 * self.span_s;
-        let fitted: f64 = (0..KINDS.len()).map(|kind| self.micros(kind)).sum();
-        let row = |kind: usize| {
-            vec![
-                KINDS[kind].to_owned(),
-                COUNTS[kind].to_owned(),
-                plain(self.whole.counts[kind] / ball_seconds),
-                plain(1e9 * self.each_s[kind]),
-                plain(self.micros(kind)),
-                format!("{:.0} %", 100.0 * self.micros(kind) / fitted),
-            ]
-        };
-        let rows: Vec<_> = (0..KINDS.len()).filter(|&kind| self.whole.counts[kind] > 0.0).map(row).collect();
+        let share = |seconds: f64| format!("{:.0} %", 100.0 * seconds / self.whole_s).replace('-', "−");
+        let mut rows: Vec<_> = PARTS
+            .iter()
+            .enumerate()
+            .map(|(part, (name, counted_by))| {
+                vec![
+                    (*name).to_owned(),
+                    (*counted_by).to_owned(),
+                    plain(self.counts[part] / self.ball_seconds()),
+                    plain(self.nanos_each(part)),
+                    plain(self.micros(self.parts[part])),
+                    share(self.parts[part]),
+                ]
+            })
+            .collect();
+        let rest = self.rest();
+        let last = |words: &str| [words, "", "", ""].map(str::to_owned).to_vec();
+        rows.push([last("what they leave"), vec![signed(self.micros(rest)), share(rest)]].concat());
+        let whole = vec![plain(self.micros(self.whole_s)), share(self.whole_s)];
+        rows.push([last("the run, measured"), whole].concat());
         html! {
             h3 { "Where the time goes" }
-            @if self.balls == 1 {
-                p { "A ball alone: all of its time goes into its arcs, with their windows and walls." }
-            } @else {
+            p {
+                "The engine counts and has no clock. Its run over " (plain(self.span_s)) " s was stopped at a few moments, and what it would do "
+                "from there was done by its own kernels outside of it, kind by kind and all balls at once; a part is that cost times "
+                "how often it came up in the run. What the parts leave is the bookkeeping of events and hits, rare cases, and that memory is colder in a run. "
+                "Of the pairs looked at the engine formed a distance polynomial of " (plain(100.0 * self.formed())) " %."
+            }
+            (table(&["part", "counted by", "a ball-second", "ns each", "µs a ball-second", "share"], &rows))
+            @if rest < -HOLDS * self.whole_s {
                 p {
-                    "The engine counts and has no clock. The scene was run for " (plain(self.span_s)) " s in " (self.variants)
-                    " variants (fewer balls, smaller ones, other tolerances); the cost of one of each "
-                    "count is what fits all their CPU times, none below zero. The fit is off by " (plain(100.0 * self.residual))
-                    " % (root mean square); together it gives " (plain(fitted)) " of the " (plain(self.measured()))
-                    " µs measured. Meetings are the search for "
-                    "neighbours, the roots and the impacts: their counts keep one proportion in all variants and cannot be told apart by them. A pair "
-                    "whose distance polynomial was formed came up " (plain(self.formed_and_hits[0] / ball_seconds)) " times a ball-second, a hit "
-                    (plain(self.formed_and_hits[1] / ball_seconds)) " times."
+                    "The parts are " (share(self.whole_s - rest)) " of the whole: the machine was not equally calm while they and the "
+                    "run were timed, or the moments do not stand for the run."
                 }
-                @if self.residual > HOLDS { p { "That is too far off to tell parts from one another: there is too little of some of them." } }
-                @else { (table(&["part", "counted by", "a ball-second", "ns each", "µs a ball-second", "share"], &rows)) }
             }
         }
+    }
+
+    fn formed(&self) -> f64 {
+        let [looked_at, formed] = self.counted.pairs.map(|count| count as f64);
+        if looked_at > 0.0 { formed / looked_at } else { 0.0 }
     }
 
     /// As rows.
     pub fn rows(&self, subject: &Subject) -> Table {
         let mut table = Table::new("phases", &["scene", "part", "count", "ns_each", "us_per_ball_second"]);
-        for (kind, name) in KINDS.iter().enumerate() {
-            let numbers = [self.whole.counts[kind], 1e9 * self.each_s[kind], self.micros(kind)];
+        for (part, (name, _)) in PARTS.iter().enumerate() {
+            let numbers = [self.counts[part], self.nanos_each(part), self.micros(self.parts[part])];
             let [count, each, micros] = numbers.map(numbers::csv);
             table.push([subject.name.clone(), (*name).to_owned(), count, each, micros]);
+        }
+        let none = String::new;
+        for (name, seconds) in [("rest", self.rest()), ("measured", self.whole_s)] {
+            let micros = numbers::csv(self.micros(seconds));
+            table.push([subject.name.clone(), name.to_owned(), none(), none(), micros]);
         }
         table
     }
 
     /// For programs.
     pub fn json(&self) -> Value {
-        let part = |kind: usize| {
+        let part = |(part, (name, counted_by)): (usize, &(&str, &str))| {
             json!({
-                "part": KINDS[kind],
-                "counted_by": COUNTS[kind],
-                "count": self.whole.counts[kind],
-                "ns_each": 1e9 * self.each_s[kind],
-                "us_per_ball_second": self.micros(kind),
+                "part": name,
+                "counted_by": counted_by,
+                "count": self.counts[part],
+                "ns_each": self.nanos_each(part),
+                "us_per_ball_second": self.micros(self.parts[part]),
             })
         };
         json!({
             "span_s": self.span_s,
-            "measured_us_per_ball_second": self.measured(),
-            "fit_residual": self.residual,
-            "variants": self.variants,
-            "pairs_formed": self.formed_and_hits[0],
-            "hits": self.formed_and_hits[1],
-            "parts": (0..KINDS.len()).map(part).collect::<Vec<_>>(),
+            "measured_us_per_ball_second": self.micros(self.whole_s),
+            "rest_us_per_ball_second": self.micros(self.rest()),
+            "pairs_looked_at_and_formed": self.counted.pairs,
+            "hits": self.counted.collisions.ball_ball + self.counted.collisions.ball_wall,
+            "parts": PARTS.iter().enumerate().map(part).collect::<Vec<_>>(),
         })
     }
+}
+
+/// A number that may be below zero.
+fn signed(x: f64) -> String {
+    if x < 0.0 { format!("−{}", plain(-x)) } else { plain(x) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn phases(name: &str, ticks: usize) -> (Phases, Seen) {
+        let subject = Subject::open(name).unwrap();
+        let mut run = subject.start(subject.own()).unwrap();
+        let before = run.report();
+        run.advance_to(tick(ticks));
+        let counted = run.report().since(&before);
+        let (costs, seen) = replay::measure(&subject, ticks, 2).unwrap();
+        let (parts, counts) = parts(&counted, &costs, &seen);
+        let span_s = ticks as f64 / f64::from(RATE_HZ);
+        (Phases { span_s, balls: subject.balls(), whole_s: 1.0, counted, parts, counts }, seen)
+    }
+
     #[test]
-    fn costs_are_found_and_none_is_negative() {
-        let costs = [70e-9, 0.0, 900e-9];
-        let mixes = [[1.0, 9.0, 5.0], [2.0, 3.0, 9.0], [1.0, 1.0, 2.0], [3.0, 7.0, 1.0], [9.0, 2.0, 6.0]];
-        let cpu = |counts: [f64; PARTS]| -> f64 {
-            counts.iter().zip(costs).map(|(count, cost)| count * cost).sum()
-        };
-        let samples = mixes.map(|counts| Sample { counts, formed_and_hits: [0.0; 2], cpu_s: cpu(counts) });
-        let (each, residual) = fit(&samples);
-        assert!(residual < 1e-12 && each.iter().zip(costs).all(|(a, b)| (a - b).abs() < 1e-18), "{each:?}");
-        // A cost below zero would fit these best: none it is instead.
-        let odd = samples.map(|s| Sample { cpu_s: s.cpu_s - 30e-9 * s.counts[1], ..s });
-        assert!(fit(&odd).0.iter().all(|&cost| cost >= 0.0) && fit(&odd).1 > 1e-3);
+    fn the_bench_looks_at_as_many_pairs_as_the_engine_but_for_the_partners_of_hits() {
+        let (Phases { counted, .. }, seen) = phases("gas:500", 60);
+        let of_engine = counted.pairs[0] as f64 / counted.searches as f64;
+        // Two that have just hit each other search at once, each with the other beside it.
+        let partners = 2.0 * counted.collisions.ball_ball as f64 / counted.searches as f64;
+        let of_bench = partners + seen.pairs[0] as f64 / seen.searches as f64;
+        assert!(
+            (0.8..1.25).contains(&(of_bench / of_engine)),
+            "{of_bench} pairs a search, engine {of_engine}"
+        );
+        let [of_engine, of_bench] =
+            [counted.pairs, seen.pairs].map(|pairs| pairs[1] as f64 / pairs[0] as f64);
+        assert!((0.5..2.0).contains(&(of_bench / of_engine)), "{of_bench} formed, engine {of_engine}");
+    }
+
+    #[test]
+    fn parts_and_what_they_leave_are_the_whole_and_each_has_its_count() {
+        let (phases, _) = phases("gas:200", 60);
+        let sum = phases.parts.iter().sum::<f64>() + phases.rest();
+        assert!((sum - phases.whole_s).abs() < 1e-12);
+        assert!(phases.parts.iter().all(|part| *part > 0.0), "{:?}", phases.parts);
+        for part in 0..PARTS.len() {
+            let product = phases.counts[part] * phases.nanos_each(part) * 1e-9;
+            assert!((product / phases.parts[part] - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_ball_alone_that_hits_nothing_takes_its_time_for_arcs_and_walls_only() {
+        let (phases, seen) = phases("bicubic", 60);
+        assert_eq!((phases.counts[3], phases.parts[3], seen.pairs), (0.0, 0.0, [0, 0]));
+        assert!(phases.parts[0] > 0.0 && phases.parts[2] > 0.0);
     }
 }

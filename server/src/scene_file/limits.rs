@@ -32,6 +32,9 @@ pub fn check(text: &SceneText, scene: &Scene) -> Result<(), SceneError> {
         Accuracy::Tolerance { tolerance_m } => {
             check.number("accuracy.tolerance_m", tolerance_m, &(1e-13..=1e-2))
         }
+        Accuracy::Budget { budget_evaluations } => {
+            check.number("accuracy.budget_evaluations", budget_evaluations, &(1.0..=1e9))
+        }
         Accuracy::Fixed { step_s, .. } => check.number("accuracy.step_s", step_s, &(1e-6..=0.1)),
     }?;
     if scene.hit_budget == 0 {

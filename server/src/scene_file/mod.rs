@@ -10,6 +10,7 @@ mod palette;
 mod stretch;
 mod walls;
 
+use crate::rehearsal::{LARGEST_M, Rehearsed, within};
 use ballroom_physics as physics;
 pub use edit::Edited;
 use nalgebra::Vector3;
@@ -55,8 +56,8 @@ pub struct SceneText {
     balls: Option<u32>,
     /// What places the clouds instead of their own seeds.
     seed: Option<u64>,
-    /// What error is asked for, when it is not what was written.
-    tolerance_m: Option<f64>,
+    /// How exactly it shall be run, when it is not what was written.
+    accuracy: Option<Accuracy>,
     /// Whether `file` is a path it was read from.
     is_file: bool,
 }
@@ -64,14 +65,7 @@ pub struct SceneText {
 impl SceneText {
     /// A text under a name for messages.
     pub fn new(file: impl Into<String>, text: impl Into<Cow<'static, str>>) -> Self {
-        Self {
-            file: file.into(),
-            text: text.into(),
-            balls: None,
-            seed: None,
-            tolerance_m: None,
-            is_file: false,
-        }
+        Self { file: file.into(), text: text.into(), balls: None, seed: None, accuracy: None, is_file: false }
     }
 
     /// A built-in scene by its bare name; a file when `scene` ends in `.toml` or holds a path separator.
@@ -98,7 +92,7 @@ impl SceneText {
     /// The same, read again if it came from a file.
     pub fn reopen(&self) -> Result<Self, SceneError> {
         let again = if self.is_file { Self::open(&self.file)? } else { self.clone() };
-        Ok(again.with_balls(self.balls).with_tolerance(self.tolerance_m))
+        Ok(again.with_balls(self.balls).with_accuracy(self.accuracy))
     }
 
     /// A scene that comes with the program.
@@ -191,7 +185,9 @@ impl SceneText {
             hit_budget: scene.hit_budget,
         };
         let cards = balls.into_iter().map(|ball| ball.card).collect();
-        Ok(LoadedScene { source: self.clone(), scene: Arc::new(scene), physics, cards, wall_fields })
+        let source = self.clone();
+        LoadedScene { source, scene: Arc::new(scene), physics, cards, wall_fields, rehearsed: None }
+            .rehearsed()
     }
 
     fn error(&self, field: impl std::fmt::Display, message: String) -> SceneError {
@@ -202,6 +198,8 @@ impl SceneText {
 fn accuracy(accuracy: Accuracy) -> physics::Accuracy {
     match accuracy {
         Accuracy::Tolerance { tolerance_m } => physics::Accuracy::Tolerance(tolerance_m),
+        // Until it has been rehearsed.
+        Accuracy::Budget { .. } => physics::Accuracy::Tolerance(LARGEST_M),
         Accuracy::Fixed { integrator, step_s } => {
             let scheme = match integrator {
                 Integrator::Rk4 => physics::Scheme::Rk4,
@@ -221,6 +219,7 @@ pub struct LoadedScene {
     physics: physics::Scene,
     cards: Vec<Card>,
     wall_fields: Vec<String>,
+    rehearsed: Option<Rehearsed>,
 }
 
 /// What the engine does not need to know of a ball.
@@ -252,6 +251,23 @@ impl LoadedScene {
     /// The scene as the engine takes it.
     pub const fn physics(&self) -> &physics::Scene {
         &self.physics
+    }
+
+    /// What its budget bought, if it has one: from then on it is a scene with the tolerance that was found.
+    pub const fn budget(&self) -> Option<Rehearsed> {
+        self.rehearsed
+    }
+
+    /// With the tolerance that its budget pays for.
+    fn rehearsed(mut self) -> Result<Self, SceneError> {
+        if let Accuracy::Budget { budget_evaluations } = self.scene.accuracy {
+            let found = within(&self, budget_evaluations)?;
+            tracing::info!("{}: {found}", self.scene.name);
+            self.physics.accuracy = physics::Accuracy::Tolerance(found.tolerance_m);
+            Arc::make_mut(&mut self.scene).accuracy = Accuracy::Tolerance { tolerance_m: found.tolerance_m };
+            self.rehearsed = Some(found);
+        }
+        Ok(self)
     }
 
     /// Sets the engine up, naming the place in the file when it refuses.

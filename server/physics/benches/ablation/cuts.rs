@@ -72,10 +72,14 @@ pub const CUTS: &[Cut] = &[
             ("controller/observe.rs", "if b.body.rolls {", "if false {"),
             (
                 "motion/arc.rs",
-                "self.turning.begin(step.turn.map(V3::from), tolerance::turn_left_out(accuracy, h, self.radius));",
-                "let _ = accuracy;",
+                "self.turning.begin_sized(step.turn.map(V3::from), &sizes.turn, left_out);",
+                "let _ = left_out;",
             ),
-            ("controller/advance.rs", "arc.turning.start = arc.orientation_at(dt);", ""),
+            (
+                "controller/advance.rs",
+                "arc.turning.start = foreseen.unwrap_or_else(|| arc.orientation_at(dt));",
+                "",
+            ),
         ],
     },
     Cut {

@@ -97,7 +97,8 @@ plain!(Turning: start; turn pieces magnus doublings left_out);
 plain!(Next: time what;);
 plain!(
     Report: collisions;
-    deepest_penetration rest_hits clusters fallbacks negative_reaction steering_work steps pairs hits_dropped
+    deepest_penetration rest_hits clusters fallbacks negative_reaction steering_work steps searches pairs
+    hits_dropped
 );
 plain!(Collisions: ball_ball ball_wall;);
 

@@ -103,6 +103,7 @@ impl Controller {
     /// happens to others meanwhile, far away, cannot touch it.
     pub(super) fn predict(&mut self, ball: usize, now: Time) {
         self.will_change(ball);
+        self.report.searches += 1;
         let arc = &self.arcs[ball];
         let from = now.max(arc.start);
         let standing = Standing::of(arc, from);

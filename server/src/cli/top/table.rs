@@ -2,7 +2,7 @@
 
 use crate::cli::sight::Sight;
 use protocol::report::ClientRow;
-use protocol::stats::ErrorEstimate;
+use protocol::stats::{Division, ErrorEstimate};
 
 /// A column of a table.
 struct Column<'a, T> {
@@ -95,6 +95,7 @@ pub fn details(Sight { row, stats, clients }: &Sight, width: usize) -> Vec<Strin
         let (messages, bytes) = (stream.messages_per_s, short(stream.bytes_per_s));
         lines.push(format!("  {name:22} {messages:>9.1} {bytes:>9}{unread}"));
     }
+    lines.extend(stats.division.map(|division| shared(&division)));
     lines.extend(stats.error_estimate.map(|estimate| error(&estimate)));
     lines.push(String::new());
     lines.extend(readers(&row.arena, clients, width));
@@ -102,6 +103,13 @@ pub fn details(Sight { row, stats, clients }: &Sight, width: usize) -> Vec<Strin
         lines.push("  nobody".to_owned());
     }
     lines
+}
+
+fn shared(division: &Division) -> String {
+    let Division { shards, copies, kept, undone, in_one } = division;
+    format!(
+        "  {shards} THREADS SHARE IT, {copies} balls copied; phases: {kept} kept, {undone} undone, {in_one} in one piece"
+    )
 }
 
 fn error(estimate: &ErrorEstimate) -> String {
@@ -175,6 +183,7 @@ pub mod tests {
             stats: Stats {
                 speed_factor: 2.0,
                 commands_refused: 5,
+                division: Some(Division { shards: 2, copies: 17, kept: 11, undone: 4, in_one: 1 }),
                 error_estimate: Some(ErrorEstimate {
                     balls: 3,
                     error_m: 4.2e-11,
