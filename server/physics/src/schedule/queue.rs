@@ -173,7 +173,8 @@ mod tests {
                 4 => QUANTUM.next_down(),
                 _ => self.below(1 << 20) as f64 * (QUANTUM / f64::from(1 << 20)),
             };
-            Time::of_parts([-1, 0, 1, 2][self.below(4)], offset).expect("an offset below the quantum")
+            Time::of_parts(self.below(4).cast_signed() as i64 - 1, offset)
+                .expect("an offset below the quantum")
         }
 
         fn next(&mut self, balls: usize) -> Next {

@@ -83,7 +83,7 @@ impl Time {
     }
 
     /// An integer that is not smaller for a later time: the offset is rounded down to 2^-36 s, and times from eight years
-    /// on are alike.
+    /// on are alike, as are those before the start.
     #[inline]
     pub const fn rounded_down(self) -> u64 {
         const QUANTUM_BITS: u32 = 34;
@@ -93,7 +93,7 @@ impl Time {
             return 0;
         }
         if self.quantum >= LAST {
-            return u64::MAX - 1;
+            return LAST.cast_unsigned() << OFFSET_BITS;
         }
         let offset = self.offset * ((1_i64 << OFFSET_BITS) * QUANTA_PER_SECOND) as f64;
         (self.quantum << OFFSET_BITS).cast_unsigned() | (offset as i64).cast_unsigned()
@@ -190,5 +190,18 @@ mod tests {
         assert_eq!(late.after(1e-13).since(late), 1e-13);
         // An offset keeps 2^-59 s; what is less rounds away and never unsettles the quantum.
         assert_eq!(late.after(-1e-19), late);
+    }
+
+    #[test]
+    fn a_later_time_never_rounds_to_less() {
+        let mut last = 0;
+        for quantum in [i64::MIN, -1, 0, 1, 64_000_000, (1 << 34) - 2, (1 << 34) - 1, 1 << 34, 1 << 53] {
+            for offset in [0.0, 1e-12, 0.5 * QUANTUM, QUANTUM.next_down()] {
+                let rounded = Time { quantum, offset }.rounded_down();
+                assert!(last <= rounded, "{quantum} quanta and {offset} s");
+                last = rounded;
+            }
+        }
+        assert!(last <= Time::NEVER.rounded_down());
     }
 }
