@@ -106,12 +106,12 @@ impl Controller {
     pub(super) fn close_arc(&mut self, ball: usize, time: Time) {
         self.will_change(ball);
         let work = self.work_of_force(ball, time);
-        let foreseen = self.foreseen_orientation(ball, time);
-        let arc = &mut self.arcs[ball];
+        let arc = &self.arcs[ball];
         let dt = time.since(arc.start);
         let pulled = arc.negative_reaction(dt);
         if self.balls[ball].body.rolls {
-            arc.turning.start = foreseen.unwrap_or_else(|| arc.orientation_at(dt));
+            let foreseen = self.foreseen_orientation(ball, time);
+            self.arcs[ball].turning.start = foreseen.unwrap_or_else(|| self.arcs[ball].orientation_at(dt));
         }
         self.book(ball, work, pulled);
     }
