@@ -1,8 +1,10 @@
 //! What the descriptions of the built-in scenes promise.
 
+use ballroom_physics::surface::certify::certify;
 use ballroom_physics::{Accuracy, BallState, Controller, Hit, HitPartner, Scene, Time};
 use nalgebra::Vector3;
 use server::SceneText;
+use server::scene_file::built_in_names;
 
 const RATE_HZ: u32 = 60;
 
@@ -46,6 +48,43 @@ impl Watched {
             all.extend_from_slice(self.engine.hits());
         }
         all
+    }
+}
+
+/// Boxes and pairs of boxes that the certificates of the built-in scenes may take: some half more than they do.
+const CERTIFIED_IN: [(&str, [usize; 2]); 16] = [
+    ("bicubic", [400, 7_500]),
+    ("bowl", [500, 200]),
+    ("break", [6, 27]),
+    ("bullet", [6, 27]),
+    ("corner", [6, 27]),
+    ("cradle", [6, 27]),
+    ("derby", [300, 130]),
+    ("galperin", [6, 27]),
+    ("gas", [36, 39]),
+    ("monkey", [340, 1_800]),
+    ("original", [1_100, 4_000]),
+    ("original_frictionless", [1_100, 4_000]),
+    ("plane", [6, 27]),
+    ("saddle", [250, 63]),
+    ("thousand", [580, 330]),
+    ("trough", [72, 620]),
+];
+
+#[test]
+fn every_built_in_floor_is_certified_within_its_own_boxes() {
+    assert!(built_in_names().all(|name| CERTIFIED_IN.iter().any(|(known, _)| *known == name)));
+    for (name, [boxes, pairs]) in CERTIFIED_IN {
+        let scene = Watched::open(name);
+        let gravity = SceneText::open(name).unwrap().load().unwrap().physics().gravity;
+        let certificate = certify(scene.engine.patch(), &-gravity);
+        assert_eq!(certificate.regular, Ok(()), "{name}");
+        assert!(
+            certificate.boxes <= boxes && certificate.pairs <= pairs,
+            "{name}: {} boxes and {} pairs",
+            certificate.boxes,
+            certificate.pairs
+        );
     }
 }
 
