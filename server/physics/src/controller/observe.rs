@@ -2,9 +2,10 @@
 
 use super::{Ball, BallState, Controller};
 use crate::lanes::LANES_MAX;
+use crate::motion::follow::Followed;
 use crate::motion::law::{State, angular_velocity, velocity};
 use crate::motion::look::{self, Look, Sight};
-use crate::motion::rotation::{self, Followed};
+use crate::motion::rotation;
 use nalgebra::{Vector2, Vector3};
 
 type V3 = Vector3<f64>;

@@ -2,8 +2,8 @@
 
 use super::arc::{Arc, Path};
 use super::body::Body;
+use super::follow::{Followed, can_follow, follow};
 use super::law::{ROLLING, State, angular_velocity, rotation, velocity, velocity_in};
-use super::rotation::{Followed, can_follow, follow};
 use crate::lanes::{LANES_MAX, Lanes};
 use crate::number::{Number, Triple};
 use crate::surface::chart::{Chart, Frame, Surface, with_chart};

@@ -2,12 +2,14 @@
 //!
 //! `law` holds the equations, `dop853`, `tsit5` and `rk4` step them, `arc` is what a step leaves behind: one
 //! polynomial that everything else reads. `step_size` says how long the next step is. `rotation` turns a ball whose
-//! motion needs no stepping, `together` computes several balls' steps side by side, and `look` reads several arcs.
+//! motion needs no stepping, `together` computes several balls' steps side by side, `follow` several balls' orientations, and
+//! `look` reads several arcs.
 
 pub mod arc;
 pub mod body;
 pub mod dop853;
 mod dop853_tableau;
+pub mod follow;
 pub mod law;
 pub mod look;
 pub mod low_order;

@@ -1,7 +1,7 @@
 //! Turning a ball, without platform sine and cosine: about an axis that stands still, and along an arc.
 
 use super::step::TERMS;
-use crate::lanes::{LANES_MAX, Lanes};
+use crate::lanes::Lanes;
 use crate::number::{Number, Triple, row};
 use crate::tolerance::{
     TURN_BRACKET, TURN_PIECE, TURN_PIECES_MAX, TURN_REMAINDER, TURN_STEPS_PER_SERIES, TURN_TERMS_MAX,
@@ -13,7 +13,7 @@ use std::ops::Range;
 type V3 = Vector3<f64>;
 
 /// Coefficients of an arc's angular velocity.
-const RATE_TERMS: usize = TERMS - 1;
+pub(super) const RATE_TERMS: usize = TERMS - 1;
 
 /// An orientation that follows an angular velocity, given as its integral `turn` in powers of theta (rad).
 ///
@@ -210,7 +210,7 @@ fn rates<T: Number>(turn: &[V3; TERMS], of: T) -> [Triple<T>; RATE_TERMS] {
 
 /// Rotation vector of the piece of length `h` around `middle`, of a rate in powers of theta.
 #[inline(always)]
-fn magnus<T: Number>(mut rate: [Triple<T>; RATE_TERMS], middle: T, h: T) -> Triple<T> {
+pub(super) fn magnus<T: Number>(mut rate: [Triple<T>; RATE_TERMS], middle: T, h: T) -> Triple<T> {
     // The rate and its derivatives over factorials at the middle: a Taylor shift.
     for k in 0..RATE_TERMS - 1 {
         for i in (k..RATE_TERMS - 1).rev() {
@@ -300,7 +300,7 @@ fn doublings(angle: f64) -> u32 {
 /// The same quaternion. The half angle is halved as often as `doublings` says, at `most`, to below 1/4 where Taylor series
 /// are exact to rounding, and the quaternion is squared as often.
 #[inline(always)]
-fn exponential<T: Number>(angle: Triple<T>, doublings: T, most: u32) -> [T; 4] {
+pub(super) fn exponential<T: Number>(angle: Triple<T>, doublings: T, most: u32) -> [T; 4] {
     let of = angle.0[0];
     let mut half = angle * of.like(0.5);
     for count in 0..most {
@@ -356,132 +356,8 @@ pub fn unit<T: Number>([x, y, z, w]: [T; 4]) -> [T; 4] {
     [of(x, zero), of(y, zero), of(z, zero), of(w, one)]
 }
 
-/// The orientation of each ball so far along its own course, in theta: the same numbers as of each alone.
-pub fn orientations(balls: &[Option<(&Turning, f64)>], out: &mut [[f64; 4]]) {
-    Arch::new().dispatch(Orientations { balls, out });
-}
-
-struct Orientations<'a> {
-    balls: &'a [Option<(&'a Turning, f64)>],
-    out: &'a mut [[f64; 4]],
-}
-
-impl WithSimd for Orientations<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        for (balls, out) in self.balls.chunks(S::F64_LANES).zip(self.out.chunks_mut(S::F64_LANES)) {
-            let Some(Some(one)) = balls.first() else { continue };
-            let mut courses = [*one; LANES_MAX];
-            for (course, ball) in courses.iter_mut().zip(balls.iter().flatten()) {
-                *course = *ball;
-            }
-            let courses = &courses[..balls.len()];
-            if courses.len() > 1 && can_follow(courses) {
-                let [x, y, z, w] = follow(simd, courses, &mut [Followed::NONE; LANES_MAX][..courses.len()]);
-                for (lane, q) in out.iter_mut().enumerate() {
-                    *q = [x.lane(lane), y.lane(lane), z.lane(lane), w.lane(lane)];
-                }
-            } else {
-                for ((course, theta), q) in courses.iter().zip(out) {
-                    *q = course.at(*theta);
-                }
-            }
-        }
-    }
-}
-
-/// How far a course has been followed: a later look goes on from there, to the same bits.
-#[derive(Clone, Copy, Debug)]
-pub struct Followed {
-    course: Turning,
-    /// Whole pieces, and the orientation after them.
-    pieces: u32,
-    orientation: [f64; 4],
-}
-
-impl Followed {
-    /// Nothing followed.
-    pub const NONE: Self = Self { course: Turning::STILL, pieces: 0, orientation: Turning::STILL.start };
-
-    /// Goes back to the start of a course, unless it was followed before and not beyond `pieces`: all that an orientation
-    /// follows from is compared.
-    fn begin(&mut self, course: &Turning, pieces: u32) {
-        if self.pieces > pieces || self.course != *course {
-            *self = Self { course: *course, pieces: 0, orientation: course.start };
-        }
-    }
-}
-
-/// Whether balls can be turned by [`follow`] on the courses and to the thetas given.
-pub(super) fn can_follow(balls: &[(&Turning, f64)]) -> bool {
-    balls.iter().all(|(course, theta)| course.magnus && course.pieces > 0 && *theta > 0.0)
-}
-
-/// The orientations of at most as many balls as there are lanes, by [`Turning::at`] lane by lane. Lanes without a ball
-/// repeat the first.
-#[inline(always)]
-pub(super) fn follow<S: Simd>(
-    simd: S,
-    balls: &[(&Turning, f64)],
-    followed: &mut [Followed],
-) -> [Lanes<S>; 4] {
-    let (mut thetas, mut lengths, mut wholes) = ([0.0; LANES_MAX], [0.0; LANES_MAX], [0; LANES_MAX]);
-    let (mut done, mut starts) = ([0; LANES_MAX], [[0.0; 4]; LANES_MAX]);
-    let (mut most, mut doublings_most) = (0, 0);
-    for lane in 0..S::F64_LANES {
-        let ball = if lane < balls.len() { lane } else { 0 };
-        let (course, theta) = balls[ball];
-        let h = 1.0 / f64::from(course.pieces);
-        let whole = (theta / h) as u32;
-        (thetas[lane], lengths[lane], wholes[lane]) = (theta, h, whole);
-        followed[ball].begin(course, whole);
-        (done[lane], starts[lane]) = (followed[ball].pieces, followed[ball].orientation);
-        most = most.max(whole - done[lane]);
-        doublings_most = doublings_most.max(course.doublings);
-    }
-    let of = |lane: usize| balls[if lane < balls.len() { lane } else { 0 }].0;
-    let theta = Lanes::new(simd, |lane| thetas[lane]);
-    let length = Lanes::new(simd, |lane| lengths[lane]);
-    let whole = Lanes::new(simd, |lane| f64::from(wholes[lane]));
-    let done = Lanes::new(simd, |lane| f64::from(done[lane]));
-    let doublings = Lanes::new(simd, |lane| f64::from(of(lane).doublings));
-    let half = theta.like(0.5);
-    let mut rate = [Triple([theta; 3]); RATE_TERMS];
-    for k in 0..RATE_TERMS {
-        for axis in 0..3 {
-            rate[k].0[axis] = Lanes::new(simd, |lane| of(lane).turn[k + 1][axis]) * (k + 1) as f64;
-        }
-    }
-    let mut q = [theta; 4];
-    for part in 0..4 {
-        q[part] = Lanes::new(simd, |lane| starts[lane][part]);
-    }
-    for ahead in 0..most {
-        let piece = done + theta.like(f64::from(ahead));
-        let angle = magnus(rate, piece * length + half * length, length);
-        let next = compose(exponential(angle, doublings, doublings_most), q);
-        for part in 0..4 {
-            q[part] = piece.where_less(whole, next[part], q[part]);
-        }
-    }
-    for (lane, followed) in followed.iter_mut().enumerate() {
-        followed.pieces = wholes[lane];
-        followed.orientation = [q[0].lane(lane), q[1].lane(lane), q[2].lane(lane), q[3].lane(lane)];
-    }
-    // The last piece is not whole, or none.
-    let from = whole * length;
-    let h = theta - from;
-    let next = compose(exponential(magnus(rate, from + half * h, h), doublings, doublings_most), q);
-    for part in 0..4 {
-        q[part] = from.where_less(theta, next[part], q[part]);
-    }
-    unit(q)
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// A rate that changes size and direction.
@@ -534,7 +410,7 @@ mod tests {
     }
 
     /// Smooth rates of every size and bend.
-    fn turns() -> impl Iterator<Item = [V3; TERMS]> {
+    pub fn turns() -> impl Iterator<Item = [V3; TERMS]> {
         let mut seed = 5_u64;
         let mut random = move || {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -579,26 +455,6 @@ mod tests {
             }
         }
         assert!(taken.iter().all(|count| *count > 500), "{taken:?}");
-    }
-
-    #[test]
-    fn several_orientations_are_those_of_each_alone_to_the_last_bit() {
-        let turnings: Vec<Turning> = turns()
-            .take(200)
-            .map(|turn| {
-                let mut turning = Turning::STILL;
-                turning.begin(turn, 1e-9);
-                turning
-            })
-            .collect();
-        for (group, theta) in turnings.chunks(7).zip([0.0, 0.3, 0.77, 1.0].into_iter().cycle()) {
-            let balls: Vec<_> = group.iter().map(|turning| Some((turning, theta))).collect();
-            let mut all = [[0.0; 4]; 7];
-            orientations(&balls, &mut all[..balls.len()]);
-            for (q, turning) in all.iter().zip(group) {
-                assert_eq!(q.map(f64::to_bits), turning.at(theta).map(f64::to_bits));
-            }
-        }
     }
 
     #[test]
