@@ -7,17 +7,17 @@
 use super::clock::cost;
 use super::subject::Subject;
 use super::{ReportError, subject};
-use ballroom_physics::detect::ball_ball::{self, Standing, surely_apart};
-use ballroom_physics::detect::ball_wall::{self, Plane};
-use ballroom_physics::detect::broad_phase::{BroadPhase, swept_bounds, travel};
+use ballroom_physics::detect::ball_ball::{self, Approach, Standing};
+use ballroom_physics::detect::ball_wall::{self, Plane, room_between};
+use ballroom_physics::detect::broad_phase::{BroadPhase, is_within, swept_bounds, travel};
 use ballroom_physics::motion::arc::Arc;
 use ballroom_physics::motion::body::{Body, Stepping};
-use ballroom_physics::motion::together::{self, Launch};
+use ballroom_physics::motion::together::{self, Landing, Launch, Seat};
 use ballroom_physics::resolve::impact::{Contact, Member, resolve_one};
 use ballroom_physics::schedule::event::{Next, What};
 use ballroom_physics::schedule::queue::Queue;
 use ballroom_physics::surface::chart::Surface;
-use ballroom_physics::tolerance::{POLISH, STEP_FIRST, WINDOW_MAX, WINDOW_MIN};
+use ballroom_physics::tolerance::{STEP_FIRST, WINDOW_MAX, WINDOW_MIN};
 use ballroom_physics::{Accuracy, BallSpec, Controller, MotionLaw, Time};
 use nalgebra::Vector3;
 use std::hint::black_box;
@@ -26,6 +26,8 @@ use std::hint::black_box;
 const STRIDE: usize = 7919;
 /// Balls below which the engine computes no arcs ahead of their time, and so none side by side.
 const GROUPED_FROM: usize = 8;
+/// Balls below which the engine computes no hits ahead of their time.
+const FORESEEN_FROM: usize = 16;
 /// Most balls that any machine computes side by side.
 const LANES: usize = 8;
 
@@ -193,7 +195,12 @@ impl Moment {
         };
         let mut steps = 0;
         add(&mut costs.arc_of_one, balls, &mut || steps = self.launch(bench, 1));
-        add(&mut costs.arcs_of_two, (balls / 2.0).ceil(), &mut || steps = self.launch(bench, 2));
+        let foreseen = if bench.bodies.len() < FORESEEN_FROM {
+            2
+        } else {
+            together::width(&bench.surface, bench.accuracy).max(2)
+        };
+        add(&mut costs.arcs_of_two, (balls / 2.0).ceil(), &mut || steps = self.launch(bench, foreseen));
         let grouped = if bench.bodies.len() < GROUPED_FROM {
             1
         } else {
@@ -291,21 +298,21 @@ impl Moment {
         black_box(met);
     }
 
+    /// Bounds of every ball, and the walls of those that may come to one.
     fn meet_walls(&self, bench: &Bench) {
+        let room = room_between(&bench.walls);
         for &ball in &bench.order {
             let arc = &self.arcs[ball];
             let duration = bench.window(arc);
             let standing = Standing::of(arc, self.time);
+            let (center, velocity) = (&standing.center, &standing.velocity);
+            let bounds = swept_bounds(center, velocity, arc.acceleration_bound, arc.radius, duration);
+            if is_within(&black_box(bounds), &room) {
+                continue;
+            }
             for wall in &bench.walls {
                 black_box(ball_wall::time_of_impact((arc, &standing), wall, self.time, duration, arc.radius));
             }
-            black_box(swept_bounds(
-                &standing.center,
-                &standing.velocity,
-                arc.acceleration_bound,
-                arc.radius,
-                duration,
-            ));
         }
     }
 
@@ -317,7 +324,8 @@ impl Moment {
             let duration = a.window_end.min(b.window_end).since(self.time);
             let [here, there] = [a, b].map(|arc| Standing::of(arc, self.time));
             let reach = a.radius + b.radius;
-            if surely_apart(&here, &there, a.acceleration_bound + b.acceleration_bound, reach, duration) {
+            let acceleration = a.acceleration_bound + b.acceleration_bound;
+            if Approach::of(&here, &there, acceleration, reach, duration).stays_apart() {
                 continue;
             }
             formed += 1;
@@ -326,26 +334,34 @@ impl Moment {
         formed
     }
 
-    /// Lands balls two by two halfway through the shorter of their windows and lets each pair collide as if it touched.
+    /// Lands balls halfway through the shorter of two windows, as many at once as the engine does, and lets each two collide
+    /// as if they touched. Who else touches them the engine knows from its searches, all but sometimes.
     fn hit_balls(&self, bench: &Bench) {
-        for pair in bench.order.chunks_exact(2) {
-            let [a, b] = [pair[0], pair[1]];
-            let dt = 0.5 * self.arcs[a].window_end.min(self.arcs[b].window_end).since(self.time);
-            let of = |ball: usize| (&bench.bodies[ball], &self.arcs[ball], dt);
-            let landed = together::land(&bench.surface, bench.accuracy, [of(a), of(b)]);
-            let mut members = [(a, landed[0]), (b, landed[1])].map(|(ball, landing)| {
-                let mut state = landing.state;
-                let (_, normal) = bench.bodies[ball].settle(&bench.surface, &mut state);
-                self.look_around(ball, &landing.center, dt);
-                Member {
-                    velocity: Vector3::new(state[2], state[3], state[4]),
-                    normal,
-                    inverse_mass: bench.inverse_masses[ball],
+        let width = together::width(&bench.surface, bench.accuracy).max(2);
+        for group in bench.order.chunks(width) {
+            let mut landings = [Landing::NOWHERE; LANES];
+            let mut seats = [None; LANES];
+            for (seats, pair) in seats.chunks_mut(2).zip(group.chunks_exact(2)) {
+                let until = |ball: usize| self.arcs[ball].window_end;
+                let dt = 0.5 * until(pair[0]).min(until(pair[1])).since(self.time);
+                for (seat, &ball) in seats.iter_mut().zip(pair) {
+                    *seat = Some(Seat { body: &bench.bodies[ball], arc: &self.arcs[ball], dt });
                 }
-            });
-            let line = (landed[1].center - landed[0].center).normalize();
-            let contact = Contact { a: 0, b: Some(1), line };
-            black_box(resolve_one(&mut members, &contact, bench.restitution));
+            }
+            let count = group.len() / 2 * 2;
+            let mut wanted = landings.each_mut().map(Some);
+            together::land(&bench.surface, bench.accuracy, &seats[..count], &mut wanted[..count]);
+            for (pair, landed) in group.chunks_exact(2).zip(landings.chunks_exact(2)) {
+                let mut members = [(pair[0], &landed[0]), (pair[1], &landed[1])].map(|(ball, landing)| {
+                    let mut state = landing.state;
+                    let (_, normal) = bench.bodies[ball].settle(&bench.surface, &mut state);
+                    let velocity = Vector3::new(state[2], state[3], state[4]);
+                    Member { velocity, normal, inverse_mass: bench.inverse_masses[ball] }
+                });
+                let line = (landed[1].center - landed[0].center).normalize();
+                let contact = Contact { a: 0, b: Some(1), line };
+                black_box(resolve_one(&mut members, &contact, bench.restitution));
+            }
         }
     }
 
@@ -355,24 +371,12 @@ impl Moment {
             let (arc, body) = (&self.arcs[ball], &bench.bodies[ball]);
             let dt = 0.5 * arc.window_end.since(self.time);
             let (mut state, _) = arc.land(body, &bench.surface, bench.accuracy, dt);
-            let (center, normal) = body.settle(&bench.surface, &mut state);
-            self.look_around(ball, &center, dt);
+            let (_, normal) = body.settle(&bench.surface, &mut state);
             let velocity = Vector3::new(state[2], state[3], state[4]);
             let mut members = [Member { velocity, normal, inverse_mass: bench.inverse_masses[ball] }];
             let contact = Contact { a: 0, b: None, line: -wall.normal };
             black_box(resolve_one(&mut members, &contact, bench.restitution));
         }
-    }
-
-    /// Who else touches a ball that landed.
-    fn look_around(&self, ball: usize, center: &Vector3<f64>, dt: f64) {
-        let mut touching = 0;
-        self.broad_phase.neighbours(ball, |other| {
-            let reach = self.arcs[ball].radius + self.arcs[other].radius + POLISH;
-            let apart = self.arcs[other].center_at(dt) - center;
-            touching += usize::from(apart.norm_squared() <= reach * reach);
-        });
-        black_box(touching);
     }
 }
 
