@@ -4,8 +4,9 @@ use super::{Ball, BallState, Controller};
 use crate::lanes::LANES_MAX;
 use crate::motion::follow::Followed;
 use crate::motion::law::{State, angular_velocity, velocity};
-use crate::motion::look::{self, Look, Sight};
+use crate::motion::look::{self, Look};
 use crate::motion::rotation;
+use crate::motion::together::Seat;
 use nalgebra::{Vector2, Vector3};
 
 type V3 = Vector3<f64>;
@@ -19,8 +20,8 @@ pub struct Observer {
 impl Controller {
     /// A ball at the controller's time, by id: about 0.3 us on a curved floor, most of it for the orientation.
     pub fn ball(&self, ball: usize) -> BallState {
-        let (b, sight) = self.sight(ball);
-        self.shown(b, &Look::at(&self.surface, sight))
+        let (b, seat) = self.place_on_arc(ball);
+        self.shown(b, &Look::at(&self.surface, seat))
     }
 
     /// The balls at the controller's time, by id, each computed as it is asked for.
@@ -29,16 +30,16 @@ impl Controller {
     }
 
     /// Shows all balls at the controller's time, by id: the same states as [`Self::ball`], some computed at once, and
-    /// orientations on from where the same observer last saw them. A third of the time, for who looks again and again.
+    /// orientations on from where the same observer last saw them: quicker for who looks again and again.
     pub fn observe(&self, observer: &mut Observer, mut show: impl FnMut(usize, &BallState)) {
         let followed = &mut observer.followed;
         followed.resize(self.balls.len(), Followed::NONE);
         for (group, followed) in followed.chunks_mut(LANES_MAX).enumerate() {
             let (first, count) = (group * LANES_MAX, followed.len());
-            let sights: [_; LANES_MAX] =
-                std::array::from_fn(|place| self.sight(first + place.min(count - 1)).1);
+            let seats: [_; LANES_MAX] =
+                std::array::from_fn(|place| self.place_on_arc(first + place.min(count - 1)).1);
             let mut looks = [Look::NONE; LANES_MAX];
-            look::look(&self.surface, &sights[..count], followed, &mut looks[..count]);
+            look::look(&self.surface, &seats[..count], followed, &mut looks[..count]);
             for (place, look) in looks[..count].iter().enumerate() {
                 let ball = first + place;
                 show(ball, &self.shown(&self.holder(ball).balls[ball], look));
@@ -47,10 +48,10 @@ impl Controller {
     }
 
     /// A ball and its place on its arc at the controller's time.
-    fn sight(&self, ball: usize) -> (&Ball, Sight<'_>) {
+    fn place_on_arc(&self, ball: usize) -> (&Ball, Seat<'_>) {
         let at = self.holder(ball);
         let (b, arc) = (&at.balls[ball], &at.arcs[ball]);
-        (b, Sight { body: &b.body, arc, dt: at.time.since(arc.start).max(0.0) })
+        (b, Seat { body: &b.body, arc, dt: at.time.since(arc.start).max(0.0) })
     }
 
     /// What is seen of a ball, as it is shown.

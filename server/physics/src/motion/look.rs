@@ -1,9 +1,9 @@
 //! Several balls looked at side by side, as a tick that shows all of them does. Every bit is that of a look at one.
 
-use super::arc::{Arc, Path};
-use super::body::Body;
+use super::arc::Path;
 use super::follow::{Followed, can_follow, follow};
 use super::law::{ROLLING, State, angular_velocity, rotation, velocity, velocity_in};
+use super::together::Seat;
 use crate::lanes::{LANES_MAX, Lanes};
 use crate::number::{Number, Triple};
 use crate::surface::chart::{Chart, Frame, Surface, with_chart};
@@ -12,18 +12,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 type V3 = Vector3<f64>;
 
-/// A ball on its arc.
-#[derive(Clone, Copy, Debug)]
-pub struct Sight<'a> {
-    /// What moves it.
-    pub body: &'a Body,
-    /// Its arc.
-    pub arc: &'a Arc,
-    /// Seconds after the arc's start.
-    pub dt: f64,
-}
-
-/// What is seen of it.
+/// What is seen of a ball on its arc.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
     /// Its state, read from the arc.
@@ -49,7 +38,7 @@ impl Look {
     };
 
     /// One ball.
-    pub fn at(surface: &Surface, Sight { body, arc, dt }: Sight<'_>) -> Self {
+    pub fn at(surface: &Surface, Seat { body, arc, dt }: Seat<'_>) -> Self {
         let (state, center, normal) = arc.sample(body, surface, dt);
         let mut look = Self { state, center, normal, ..Self::NONE };
         if body.rolls {
@@ -61,8 +50,8 @@ impl Look {
 }
 
 /// Looks at all that there are, side by side where that pays; orientations go on from what was `followed` before.
-pub fn look(surface: &Surface, balls: &[Sight<'_>], followed: &mut [Followed], looks: &mut [Look]) {
-    let alike = |ball: &Sight<'_>| ball.arc.path == Path::Curved && ball.body.rolls;
+pub fn look(surface: &Surface, balls: &[Seat<'_>], followed: &mut [Followed], looks: &mut [Look]) {
+    let alike = |ball: &Seat<'_>| ball.arc.path == Path::Curved && ball.body.rolls;
     let pays = with_chart!(&surface.kernel, chart => pays(chart));
     if pays && balls.len() > 1 && balls.iter().all(alike) {
         let arch = Arch::new();
@@ -83,7 +72,7 @@ const fn pays<C: Chart>(_: &C) -> bool {
 /// Everything but the orientation, of rolling balls on curved arcs.
 struct Seats<'a> {
     surface: &'a Surface,
-    balls: &'a [Sight<'a>],
+    balls: &'a [Seat<'a>],
     looks: &'a mut [Look],
 }
 
@@ -98,7 +87,7 @@ impl WithSimd for Seats<'_> {
             let mut read = [[0.0; LANES_MAX]; ROLLING];
             for lane in 0..S::F64_LANES {
                 // Lanes without a ball repeat the first.
-                let Sight { arc, dt, .. } = balls[if lane < balls.len() { lane } else { 0 }];
+                let Seat { arc, dt, .. } = balls[if lane < balls.len() { lane } else { 0 }];
                 let state = arc.read(dt / arc.scale);
                 for i in 0..ROLLING {
                     read[i][lane] = state[i];
@@ -140,7 +129,7 @@ fn of_lane<S: Simd>(of: &Triple<Lanes<S>>, lane: usize) -> V3 {
 
 /// The orientations of rolling balls.
 struct Orientations<'a> {
-    balls: &'a [Sight<'a>],
+    balls: &'a [Seat<'a>],
     followed: &'a mut [Followed],
     looks: &'a mut [Look],
 }
