@@ -75,12 +75,13 @@ struct Reel {
 impl Tape {
     /// A tape that begins with the simulation's present state, and the end from which it is read.
     pub(super) fn new(head: &Head, simulation: &Simulation) -> (Self, Shared) {
-        let shared = Shared::default();
+        let (shared, mut observer) = (Shared::default(), Observer::default());
         let mut shelf = shared.lock();
         shelf.entries.reserve_exact(TAPE_CAPACITY);
         if head.state_every_ticks > 0 {
             let mut buffer = Box::<Snapshot>::default();
-            simulation.write_snapshot(&mut buffer);
+            // Both then have all the room that they need.
+            simulation.write_snapshot_for(&mut observer, &mut buffer);
             shelf.spare = vec![buffer; BUFFERS];
         }
         drop(shelf);
@@ -90,7 +91,7 @@ impl Tape {
             state_every: head.state_every_ticks,
             order: 0,
             crowded: false,
-            observer: Observer::default(),
+            observer,
         };
         reel.hash(simulation);
         (Self(Some(reel)), shared)
