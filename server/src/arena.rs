@@ -1,6 +1,6 @@
 //! One world being run and served: simulation, inbox, tick loop and its place on the network.
 
-use crate::crew::{Crew, all_cores};
+use crate::crew::{Crew, cores_to_tick_on};
 use crate::handover::Handover;
 use crate::history::{Archive, DEFAULT_HISTORY_BYTES, Plan, Settings};
 use crate::inbox::{Inbox, Request};
@@ -64,7 +64,7 @@ impl Default for ArenaOptions {
         Self {
             arena: DEFAULT_ARENA.parse().expect("a valid name"),
             tick_rate_hz: 60,
-            threads: all_cores(),
+            threads: cores_to_tick_on(),
             paused: false,
             record: None,
             history_bytes: DEFAULT_HISTORY_BYTES,

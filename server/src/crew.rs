@@ -31,6 +31,11 @@ pub fn all_cores() -> usize {
     std::thread::available_parallelism().map_or(1, NonZero::get)
 }
 
+/// As many, less one for what is not a tick: a server that ticks on all of them publishes late, and then ticks late too.
+pub fn cores_to_tick_on() -> usize {
+    all_cores().saturating_sub(1).max(1)
+}
+
 impl Crew {
     /// A crew of `threads`, the caller's among them, or as many as shards can use.
     pub fn of(threads: usize) -> std::io::Result<Self> {

@@ -9,7 +9,7 @@ use anyhow::bail;
 use protocol::arenas::MAX_ARENAS;
 use protocol::keys::Name;
 use server::arenas::recording_beside;
-use server::crew::all_cores;
+use server::crew::cores_to_tick_on;
 use server::history::DEFAULT_HISTORY_BYTES;
 use server::recording::{MAX_HASH_EVERY_TICKS, RecordOptions};
 use server::shadows::SHADOWS_MAX;
@@ -49,7 +49,7 @@ pub struct Serve {
     /// Ticks a simulated second [default: 60, or as it was]
     #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=1000))]
     rate: Option<u32>,
-    /// Threads for a large scene [default: all cores]; they change no bit
+    /// Threads for a large scene [default: all cores but one, which publishes]; they change no bit
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: Option<u32>,
     /// Go on where a run ended: a file of `ballroom save` or `simulate --save`, or a recording, which is replayed to its end
@@ -172,7 +172,7 @@ impl Serve {
             let options = ArenaOptions {
                 arena: name.clone(),
                 tick_rate_hz: rate_hz,
-                threads: self.threads.map_or_else(all_cores, |threads| threads as usize),
+                threads: self.threads.map_or_else(cores_to_tick_on, |threads| threads as usize),
                 paused: self.paused,
                 record,
                 history_bytes: self.history << 20,

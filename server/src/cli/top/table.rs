@@ -114,10 +114,8 @@ fn shared(division: &Division) -> String {
 
 fn error(estimate: &ErrorEstimate) -> String {
     let ErrorEstimate { balls, error_m, followed_s, asked_m, lost, .. } = estimate;
-    let asked = asked_m.map_or(String::new(), |asked| format!(", {asked:.0e} m asked for over 10 s"));
-    format!(
-        "  ERROR ABOUT {error_m:.1e} m after {followed_s:.0} s{asked}; {balls} balls followed, {lost} lost"
-    )
+    let asked = asked_m.map_or(String::new(), |asked| format!(", asked {asked:.0e} m over 10 s"));
+    format!("  ERROR ABOUT {error_m:.1e} m after {followed_s:.0} s{asked}; {balls} followed, {lost} lost")
 }
 
 fn readers(arena: &str, clients: &[ClientRow], width: usize) -> Vec<String> {
@@ -216,7 +214,7 @@ pub mod tests {
             reader.contains("viewer v1") && reader.contains("40.00 k") && reader.contains("1.50"),
             "{reader}"
         );
-        let error = "  ERROR ABOUT 4.2e-11 m after 8 s, 1e-9 m asked for over 10 s; 3 balls followed, 0 lost";
+        let error = "  ERROR ABOUT 4.2e-11 m after 8 s, asked 1e-9 m over 10 s; 3 followed, 0 lost";
         assert!(lines.iter().any(|line| line == error), "{lines:?}");
         let end = lines[lines.len() - 2].find("LOST").unwrap() + 4;
         assert!(reader[..end].ends_with('7'), "{lines:?}");
