@@ -77,8 +77,8 @@ pub const CUTS: &[Cut] = &[
             ),
             (
                 "controller/advance.rs",
-                "arc.turning.start = foreseen.unwrap_or_else(|| arc.orientation_at(dt));",
-                "",
+                "self.arcs[ball].turning.start = foreseen.unwrap_or_else(|| self.arcs[ball].orientation_at(dt));",
+                "let _ = foreseen;",
             ),
         ],
     },

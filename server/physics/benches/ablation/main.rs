@@ -2,7 +2,8 @@
 //!
 //! `cargo bench -p ballroom-physics --bench ablation`, or with `-- --save` to keep the table in `table.csv` beside this file. For
 //! each feature the engine's sources are copied, the feature is cut out of the copy, both are built alike, and callgrind counts
-//! the small scenes that have no use for it. It takes some minutes: every engine is compiled anew.
+//! the small scenes that have no use for it. It takes some minutes: every engine is compiled anew. `-- --check` only says
+//! whether every feature can still be cut out.
 
 #[path = "../instructions/callgrind.rs"]
 mod callgrind;
@@ -42,6 +43,13 @@ fn main() {
 
 fn run() -> Result<(), String> {
     let bench = Workbench::new()?;
+    if std::env::args().any(|a| a == "--check") {
+        for cut in CUTS {
+            Workbench::restore(&bench.cut(cut)?)?;
+        }
+        println!("{} features, each can be cut out", CUTS.len());
+        return Ok(());
+    }
     let whole = counted(&bench, &["scene", "hit"])?;
     let mut rows = vec![];
     let saves = std::env::args().any(|a| a == "--save");
