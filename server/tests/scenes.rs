@@ -191,7 +191,7 @@ fn on_the_bicubic_the_ball_is_where_the_description_says() {
 }
 
 /// Balls of scenes from files that move smoothly when they are alone. Left out are those at rest, those so slow that the
-/// longest step is better than what is asked for (`derby`), and those on a hill or a ridge, where errors grow by themselves.
+/// longest step is better than what is asked for (`derby`, `circling` of `bowl`), and those on a hill or a ridge, where errors grow by themselves.
 const SMOOTH: [(&str, &[&str]); 6] = [
     ("bicubic", &["player"]),
     ("bowl", &["solid", "hollow", "spinning"]),

@@ -29,18 +29,14 @@ impl Followed {
 }
 
 /// Whether balls can be turned by [`follow`] on the courses and to the thetas given.
-pub(super) fn can_follow(balls: &[(&Turning, f64)]) -> bool {
+fn can_follow(balls: &[(&Turning, f64)]) -> bool {
     balls.iter().all(|(course, theta)| course.magnus && course.pieces > 0 && *theta > 0.0)
 }
 
 /// The orientations of at most as many balls as there are lanes, by [`Turning::at`] lane by lane. Lanes without a ball
 /// repeat the first.
 #[inline(always)]
-pub(super) fn follow<S: Simd>(
-    simd: S,
-    balls: &[(&Turning, f64)],
-    followed: &mut [Followed],
-) -> [Lanes<S>; 4] {
+fn follow<S: Simd>(simd: S, balls: &[(&Turning, f64)], followed: &mut [Followed]) -> [Lanes<S>; 4] {
     let (mut thetas, mut lengths, mut wholes) = ([0.0; LANES_MAX], [0.0; LANES_MAX], [0; LANES_MAX]);
     let (mut done, mut starts) = ([0; LANES_MAX], [[0.0; 4]; LANES_MAX]);
     let (mut most, mut doublings_most) = (0, 0);
@@ -94,13 +90,15 @@ pub(super) fn follow<S: Simd>(
     unit(q)
 }
 
-/// The orientation of each ball so far along its own course, in theta: the same numbers as of each alone.
-pub fn orientations(balls: &[Option<(&Turning, f64)>], out: &mut [[f64; 4]]) {
-    Arch::new().dispatch(Orientations { balls, out });
+/// The orientation of each ball so far along its own course, in theta: the same numbers as of each alone, on from what was
+/// `followed` of it.
+pub fn orientations(balls: &[Option<(&Turning, f64)>], followed: &mut [Followed], out: &mut [[f64; 4]]) {
+    Arch::new().dispatch(Orientations { balls, followed, out });
 }
 
 struct Orientations<'a> {
     balls: &'a [Option<(&'a Turning, f64)>],
+    followed: &'a mut [Followed],
     out: &'a mut [[f64; 4]],
 }
 
@@ -109,7 +107,9 @@ impl WithSimd for Orientations<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        for (balls, out) in self.balls.chunks(S::F64_LANES).zip(self.out.chunks_mut(S::F64_LANES)) {
+        let Self { balls, followed, out } = self;
+        let groups = balls.chunks(S::F64_LANES).zip(followed.chunks_mut(S::F64_LANES));
+        for ((balls, followed), out) in groups.zip(out.chunks_mut(S::F64_LANES)) {
             let Some(Some(one)) = balls.first() else { continue };
             let mut courses = [*one; LANES_MAX];
             for (course, ball) in courses.iter_mut().zip(balls.iter().flatten()) {
@@ -117,7 +117,7 @@ impl WithSimd for Orientations<'_> {
             }
             let courses = &courses[..balls.len()];
             if courses.len() > 1 && can_follow(courses) {
-                let [x, y, z, w] = follow(simd, courses, &mut [Followed::NONE; LANES_MAX][..courses.len()]);
+                let [x, y, z, w] = follow(simd, courses, followed);
                 for (lane, q) in out.iter_mut().enumerate() {
                     *q = [x.lane(lane), y.lane(lane), z.lane(lane), w.lane(lane)];
                 }
@@ -148,7 +148,8 @@ mod tests {
         for (group, theta) in turnings.chunks(7).zip([0.0, 0.3, 0.77, 1.0].into_iter().cycle()) {
             let balls: Vec<_> = group.iter().map(|turning| Some((turning, theta))).collect();
             let mut all = [[0.0; 4]; 7];
-            orientations(&balls, &mut all[..balls.len()]);
+            let mut followed = [Followed::NONE; 7];
+            orientations(&balls, &mut followed[..balls.len()], &mut all[..balls.len()]);
             for (q, turning) in all.iter().zip(group) {
                 assert_eq!(q.map(f64::to_bits), turning.at(theta).map(f64::to_bits));
             }

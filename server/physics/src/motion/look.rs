@@ -1,9 +1,9 @@
 //! Several balls looked at side by side, as a tick that shows all of them does. Every bit is that of a look at one.
 
 use super::arc::Path;
-use super::follow::{Followed, can_follow, follow};
+use super::follow::{Followed, orientations};
 use super::law::{ROLLING, State, angular_velocity, rotation, velocity, velocity_in};
-use super::together::Seat;
+use super::together::{Seat, pays};
 use crate::lanes::{LANES_MAX, Lanes};
 use crate::number::{Number, Triple};
 use crate::surface::chart::{Chart, Frame, Surface, with_chart};
@@ -49,24 +49,26 @@ impl Look {
     }
 }
 
-/// Looks at all that there are, side by side where that pays; orientations go on from what was `followed` before.
+/// Looks at up to [`LANES_MAX`] balls, side by side where that pays; orientations go on from what was `followed` before.
 pub fn look(surface: &Surface, balls: &[Seat<'_>], followed: &mut [Followed], looks: &mut [Look]) {
     let alike = |ball: &Seat<'_>| ball.arc.path == Path::Curved && ball.body.rolls;
     let pays = with_chart!(&surface.kernel, chart => pays(chart));
     if pays && balls.len() > 1 && balls.iter().all(alike) {
-        let arch = Arch::new();
-        arch.dispatch(Seats { surface, balls, looks });
-        arch.dispatch(Orientations { balls, followed, looks });
+        Arch::new().dispatch(Seats { surface, balls, looks });
+        let courses: [_; LANES_MAX] = std::array::from_fn(|place| {
+            let Seat { arc, dt, .. } = *balls.get(place)?;
+            Some((&arc.turning, dt / arc.scale))
+        });
+        let mut q = [[0.0; 4]; LANES_MAX];
+        orientations(&courses[..balls.len()], followed, &mut q[..balls.len()]);
+        for (look, q) in looks.iter_mut().zip(q) {
+            look.orientation = q;
+        }
     } else {
         for (ball, look) in balls.iter().zip(looks) {
             *look = Look::at(surface, *ball);
         }
     }
-}
-
-/// Whether a chart has kernels for several balls.
-const fn pays<C: Chart>(_: &C) -> bool {
-    C::SIDE_BY_SIDE
 }
 
 /// Everything but the orientation, of rolling balls on curved arcs.
@@ -125,38 +127,4 @@ fn seat<C: Chart, T: Number>(chart: &C, y: &[T; ROLLING], radius: T) -> [Triple<
 #[inline(always)]
 fn of_lane<S: Simd>(of: &Triple<Lanes<S>>, lane: usize) -> V3 {
     V3::new(of.0[0].lane(lane), of.0[1].lane(lane), of.0[2].lane(lane))
-}
-
-/// The orientations of rolling balls.
-struct Orientations<'a> {
-    balls: &'a [Seat<'a>],
-    followed: &'a mut [Followed],
-    looks: &'a mut [Look],
-}
-
-impl WithSimd for Orientations<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { balls, followed, looks } = self;
-        let groups = balls.chunks(S::F64_LANES).zip(followed.chunks_mut(S::F64_LANES));
-        for ((balls, followed), looks) in groups.zip(looks.chunks_mut(S::F64_LANES)) {
-            let mut courses = [(&balls[0].arc.turning, 0.0); LANES_MAX];
-            for (course, ball) in courses.iter_mut().zip(balls) {
-                *course = (&ball.arc.turning, ball.dt / ball.arc.scale);
-            }
-            let courses = &courses[..balls.len()];
-            if can_follow(courses) {
-                let q = follow(simd, courses, followed);
-                for (lane, look) in looks.iter_mut().enumerate() {
-                    look.orientation = [q[0].lane(lane), q[1].lane(lane), q[2].lane(lane), q[3].lane(lane)];
-                }
-            } else {
-                for (ball, look) in balls.iter().zip(looks) {
-                    look.orientation = ball.arc.orientation_at(ball.dt);
-                }
-            }
-        }
-    }
 }

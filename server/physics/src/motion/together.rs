@@ -296,7 +296,7 @@ impl WithSimd for LandingGroup<'_, '_, '_> {
 
 /// Whether a chart has kernels for several balls.
 #[inline(always)]
-const fn pays<C: Chart>(_: &C) -> bool {
+pub(super) const fn pays<C: Chart>(_: &C) -> bool {
     C::SIDE_BY_SIDE
 }
 
