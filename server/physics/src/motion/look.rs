@@ -49,7 +49,7 @@ impl Look {
     }
 }
 
-/// Looks at up to [`LANES_MAX`] balls, side by side where that pays; orientations go on from what was `followed` before.
+/// Looks at up to `LANES_MAX` balls, side by side where that pays; orientations go on from what was `followed` before.
 pub fn look(surface: &Surface, balls: &[Seat<'_>], followed: &mut [Followed], looks: &mut [Look]) {
     let alike = |ball: &Seat<'_>| ball.arc.path == Path::Curved && ball.body.rolls;
     let pays = with_chart!(&surface.kernel, chart => pays(chart));
