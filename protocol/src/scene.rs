@@ -68,14 +68,14 @@ pub enum Motion {
     Rolling,
 }
 
-/// How exactly motion is computed: a tolerance, or a budget of work, or an integrator and a step by name. One of them: a
-/// tolerance and a budget together would ask for two answers.
+/// How exactly motion is computed: a tolerance, or an error, or a budget of work, or an integrator and a step by name. One of
+/// them: a tolerance and a budget together would ask for two answers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(
     deny_unknown_fields,
     untagged,
-    expecting = "write one of tolerance_m = METRES, or budget_evaluations = NUMBER per ball and simulated second, or \
-                 integrator = \"rk4\", \"tsit5\" or \"dop853\" with step_s = SECONDS"
+    expecting = "write one of tolerance_m = METRES, or error_m = METRES, or budget_evaluations = NUMBER per ball and \
+                 simulated second, or integrator = \"rk4\", \"tsit5\" or \"dop853\" with step_s = SECONDS"
 )]
 pub enum Accuracy {
     /// Largest position error wanted over 10 s of smooth motion.
@@ -83,6 +83,12 @@ pub enum Accuracy {
     Tolerance {
         /// Metres, 1e-13 to 1e-2.
         tolerance_m: f64,
+    },
+    /// The largest tolerance with which no ball is farther from where it truly is at any tick of 10 s: the whole scene is run
+    /// beforehand to find it, with its walls, hits and hills. Where they multiply errors too much it is refused.
+    Error {
+        /// Metres, 1e-11 to 1e-2.
+        error_m: f64,
     },
     /// The smallest tolerance that so much work pays for: a few balls are run beforehand to find it, counted and not
     /// timed, so that every machine finds the same.

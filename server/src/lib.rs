@@ -27,7 +27,7 @@
 //! | [`recording`] | what a run was given and what became of it, in a file; and the run again |
 //! | [`report`] | speed against error, measured and written as a page |
 //! | [`shadows`] | how exactly a run is computed, estimated while it runs |
-//! | [`rehearsal`] | how exactly a scene can be run within a budget |
+//! | [`rehearsal`] | the tolerance that keeps an error or fits in a budget |
 //! | [`screening`] | a recording shown again, at any speed |
 //! | `network` | the only place that names Zenoh |
 //! | [`terminal`] | keys in, a few lines out, for whoever plays in a terminal |

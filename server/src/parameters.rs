@@ -57,7 +57,7 @@ const TABLE: [Row; 10] = [
         meaning: "largest position error wanted over 10 s of smooth motion",
         get: |scene| match scene.accuracy {
             Accuracy::Tolerance { tolerance_m } => Some(Value::Number(tolerance_m)),
-            Accuracy::Budget { .. } | Accuracy::Fixed { .. } => None,
+            Accuracy::Error { .. } | Accuracy::Budget { .. } | Accuracy::Fixed { .. } => None,
         },
         set: Set::Number(|scene, tolerance_m| scene.accuracy = Accuracy::Tolerance { tolerance_m }),
     },
@@ -67,7 +67,7 @@ const TABLE: [Row; 10] = [
         range: None,
         meaning: "scheme of a scene that names one",
         get: |scene| match scene.accuracy {
-            Accuracy::Tolerance { .. } | Accuracy::Budget { .. } => None,
+            Accuracy::Tolerance { .. } | Accuracy::Error { .. } | Accuracy::Budget { .. } => None,
             Accuracy::Fixed { integrator, .. } => Some(word(match integrator {
                 Integrator::Rk4 => "rk4",
                 Integrator::Tsit5 => "tsit5",
@@ -82,7 +82,7 @@ const TABLE: [Row; 10] = [
         range: None,
         meaning: "step of a scene that names its scheme",
         get: |scene| match scene.accuracy {
-            Accuracy::Tolerance { .. } | Accuracy::Budget { .. } => None,
+            Accuracy::Tolerance { .. } | Accuracy::Error { .. } | Accuracy::Budget { .. } => None,
             Accuracy::Fixed { step_s, .. } => Some(Value::Number(step_s)),
         },
         set: Set::Never("it is chosen by the scene: load another one"),

@@ -188,10 +188,7 @@ impl Cast {
         let rolls = scene.motion == ballroom_physics::MotionLaw::Rolling;
         let mut worst = ErrorEstimate {
             time_s: sample.time.seconds(),
-            asked_m: match scene.accuracy {
-                Accuracy::Tolerance(tolerance) => Some(tolerance),
-                Accuracy::Fixed(..) => None,
-            },
+            asked_m: self.world.loaded().asked_error_m(),
             ..ErrorEstimate::default()
         };
         for ((slot, state), disturbed) in self.shadows.iter_mut().zip(&sample.states).zip(sample.disturbed) {

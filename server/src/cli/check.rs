@@ -1,6 +1,7 @@
 //! `check`: whether a scene can be run, and what it holds.
 
 use super::ball_count::BallCount;
+use super::dial::Dial;
 use ballroom_physics::surface::certify::{Certificate, certify};
 use protocol::scene::{Accuracy, Floor, Scene};
 use server::LoadedScene;
@@ -19,17 +20,20 @@ What is wrong is named by file, line, column and field, and the exit code is 5.
 Examples:
   ballroom check thousand
   ballroom check gas --balls 100000
+  ballroom check original --error 1e-6
   ballroom check my_scene.toml")]
 pub struct Check {
     /// Name of a built-in scene, or a file ending in .toml
     scene: String,
     #[command(flatten)]
     count: BallCount,
+    #[command(flatten)]
+    dial: Dial,
 }
 
 impl Check {
     pub fn run(self) -> anyhow::Result<()> {
-        let loaded = Arc::new(self.count.open(&self.scene)?.load()?);
+        let loaded = Arc::new(self.dial.of(self.count.open(&self.scene)?).load()?);
         let controller = loaded.controller()?;
         // Sets up what `serve` would, to its last table.
         let roster = Simulation::new(loaded.clone(), 60, 0)?.roster().clone();
@@ -101,9 +105,11 @@ fn certified(certificate: &Certificate, radii: &[f64]) -> String {
 fn accuracy(loaded: &LoadedScene) -> String {
     match loaded.scene().accuracy {
         Accuracy::Tolerance { tolerance_m } => {
-            let bought = loaded.budget().map_or(String::new(), |found| format!(": {found}"));
-            format!("{tolerance_m:e} m over 10 s of smooth motion{bought}")
+            let found = loaded.rehearsed().map_or(String::new(), |found| format!(": {found}"));
+            format!("{tolerance_m:e} m over 10 s of smooth motion{found}")
         }
+        // Scenes are loaded with the tolerance that was found for them.
+        Accuracy::Error { error_m } => format!("what keeps an error of {error_m:e} m"),
         Accuracy::Budget { budget_evaluations } => format!("what {budget_evaluations} evaluations pay for"),
         Accuracy::Fixed { integrator, step_s } => format!("{integrator:?} with steps of {step_s} s"),
     }

@@ -6,13 +6,14 @@ use protocol::scene::Accuracy;
 use toml_edit::{DocumentMut, InlineTable, value};
 
 impl SceneText {
-    /// The same with another accuracy asked for, when one is given: a tolerance or a budget. An integrator by name is the
+    /// The same with another accuracy asked for, when one is given: a tolerance, an error or a budget. An integrator by name is the
     /// scene's own affair.
     #[must_use]
     pub fn with_accuracy(mut self, accuracy: Option<Accuracy>) -> Self {
         self.accuracy = accuracy.or(self.accuracy);
         let asked = match self.accuracy {
             Some(Accuracy::Tolerance { tolerance_m }) => ("tolerance_m", tolerance_m),
+            Some(Accuracy::Error { error_m }) => ("error_m", error_m),
             Some(Accuracy::Budget { budget_evaluations }) => ("budget_evaluations", budget_evaluations),
             Some(Accuracy::Fixed { .. }) | None => return self,
         };
@@ -72,13 +73,13 @@ mod tests {
     #[test]
     fn a_budget_in_a_file_becomes_the_tolerance_that_it_pays_for_and_says_what_was_reached() {
         let loaded = bicubic("accuracy = { budget_evaluations = 120 }").load().unwrap();
-        let found = loaded.budget().unwrap();
+        let found = loaded.rehearsed().unwrap();
         assert!(found.evaluations <= 120.0 && found.reached_m < found.tolerance_m, "{found:?}");
         assert_eq!(loaded.physics().accuracy, ballroom_physics::Accuracy::Tolerance(found.tolerance_m));
         assert_eq!(loaded.scene().accuracy, Accuracy::Tolerance { tolerance_m: found.tolerance_m });
         let by_hand = bicubic("").with_tolerance(Some(found.tolerance_m)).load().unwrap();
         assert_eq!(by_hand.controller().unwrap().state_hash(), loaded.controller().unwrap().state_hash());
-        assert_eq!(by_hand.budget(), None);
+        assert_eq!(by_hand.rehearsed(), None);
     }
 
     #[test]

@@ -32,6 +32,7 @@ pub fn check(text: &SceneText, scene: &Scene) -> Result<(), SceneError> {
         Accuracy::Tolerance { tolerance_m } => {
             check.number("accuracy.tolerance_m", tolerance_m, &(1e-13..=1e-2))
         }
+        Accuracy::Error { error_m } => check.number("accuracy.error_m", error_m, &(1e-11..=1e-2)),
         Accuracy::Budget { budget_evaluations } => {
             check.number("accuracy.budget_evaluations", budget_evaluations, &(1.0..=1e9))
         }

@@ -10,7 +10,7 @@ mod palette;
 mod stretch;
 mod walls;
 
-use crate::rehearsal::{LARGEST_M, Rehearsed, within};
+use crate::rehearsal::{Asked, LARGEST_M, Rehearsed, rehearse};
 use ballroom_physics as physics;
 pub use edit::Edited;
 use nalgebra::Vector3;
@@ -187,10 +187,10 @@ impl SceneText {
         let cards = balls.into_iter().map(|ball| ball.card).collect();
         let source = self.clone();
         LoadedScene { source, scene: Arc::new(scene), physics, cards, wall_fields, rehearsed: None }
-            .rehearsed()
+            .rehearse()
     }
 
-    fn error(&self, field: impl std::fmt::Display, message: String) -> SceneError {
+    pub(crate) fn error(&self, field: impl std::fmt::Display, message: String) -> SceneError {
         error_at(&self.file, &self.text, &field.to_string(), message)
     }
 }
@@ -199,7 +199,7 @@ fn accuracy(accuracy: Accuracy) -> physics::Accuracy {
     match accuracy {
         Accuracy::Tolerance { tolerance_m } => physics::Accuracy::Tolerance(tolerance_m),
         // Until it has been rehearsed.
-        Accuracy::Budget { .. } => physics::Accuracy::Tolerance(LARGEST_M),
+        Accuracy::Error { .. } | Accuracy::Budget { .. } => physics::Accuracy::Tolerance(LARGEST_M),
         Accuracy::Fixed { integrator, step_s } => {
             let scheme = match integrator {
                 Integrator::Rk4 => physics::Scheme::Rk4,
@@ -253,15 +253,23 @@ impl LoadedScene {
         &self.physics
     }
 
-    /// What its budget bought, if it has one: from then on it is a scene with the tolerance that was found.
-    pub const fn budget(&self) -> Option<Rehearsed> {
+    /// What was found for the budget or the error that it asks for, if it does: from then on it is a scene with that tolerance.
+    pub const fn rehearsed(&self) -> Option<Rehearsed> {
         self.rehearsed
     }
 
-    /// With the tolerance that its budget pays for.
-    fn rehearsed(mut self) -> Result<Self, SceneError> {
-        if let Accuracy::Budget { budget_evaluations } = self.scene.accuracy {
-            let found = within(&self, budget_evaluations)?;
+    /// The error over 10 s that is asked for, m.
+    pub const fn asked_error_m(&self) -> Option<f64> {
+        match (self.rehearsed, self.physics.accuracy) {
+            (Some(Rehearsed { asked: Asked::Error(error_m), .. }), _) => Some(error_m),
+            (_, physics::Accuracy::Tolerance(tolerance_m)) => Some(tolerance_m),
+            (_, physics::Accuracy::Fixed(..)) => None,
+        }
+    }
+
+    /// With the tolerance that gives what it asks for.
+    fn rehearse(mut self) -> Result<Self, SceneError> {
+        if let Some(found) = rehearse(&self)? {
             tracing::info!("{}: {found}", self.scene.name);
             self.physics.accuracy = physics::Accuracy::Tolerance(found.tolerance_m);
             Arc::make_mut(&mut self.scene).accuracy = Accuracy::Tolerance { tolerance_m: found.tolerance_m };

@@ -5,6 +5,7 @@
 //! again by `BALLROOM_SEED=<seed> BALLROOM_SCENES=1`. An hour of it:
 //! `BALLROOM_SEED=1 BALLROOM_SCENES=120000 cargo test --release -p server --test random_scenes -- --nocapture`.
 
+mod asked;
 mod generate;
 mod halted;
 mod physical;

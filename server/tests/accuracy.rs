@@ -1,0 +1,103 @@
+//! An error asked for is obtained, and not by a waste of steps: over all ticks of 10 s.
+
+use ballroom_physics::{Accuracy, Controller, Scene, Scheme, Time};
+use protocol::scene::Accuracy as Asks;
+use server::scene_file::built_in_names;
+use server::{LoadedScene, SceneText};
+
+const RATE_HZ: u32 = 60;
+
+/// Balls of scenes from files that move smoothly when they are alone. Left out are those at rest, those so slow that the
+/// longest step is better than what is asked for (`derby`, `circling` of `bowl`), and those on a hill or a ridge, where errors grow by themselves.
+const SMOOTH: [(&str, &[&str]); 6] = [
+    ("bicubic", &["player"]),
+    ("bowl", &["solid", "hollow", "spinning"]),
+    ("monkey", &["left-leg", "right-leg", "tail"]),
+    ("original", &["red", "blue", "player"]),
+    ("original_frictionless", &["red", "player"]),
+    ("trough", &["player", "spinning", "hollow"]),
+];
+
+/// Largest distance of a scene's one ball from the same at 1e-13 m, over all ticks of 10 s.
+fn error_alone(alone: &Scene, tolerance: f64) -> f64 {
+    let run = |accuracy| Controller::new(&Scene { accuracy, ..alone.clone() }).unwrap();
+    let (mut coarse, mut fine) = (run(Accuracy::Tolerance(tolerance)), run(Accuracy::Tolerance(1e-13)));
+    let mut largest = 0.0_f64;
+    for tick in 1..=u64::from(10 * RATE_HZ) {
+        for run in [&mut coarse, &mut fine] {
+            run.advance_to(Time::of_tick(tick, RATE_HZ));
+        }
+        largest = largest.max((coarse.ball(0).center - fine.ball(0).center).norm());
+    }
+    largest
+}
+
+#[test]
+fn in_scenes_from_files_the_error_asked_for_is_obtained_and_not_a_hundredfold_less() {
+    for (name, balls) in SMOOTH {
+        let loaded = SceneText::open(name).unwrap().load().unwrap();
+        for ball in balls {
+            let ball = loaded.physics().balls.iter().find(|known| known.name == *ball).unwrap();
+            let alone = Scene { balls: vec![ball.clone()], ..loaded.physics().clone() };
+            for tolerance in [1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11] {
+                let share = error_alone(&alone, tolerance) / tolerance;
+                assert!((0.01..=1.0).contains(&share), "{name}, {}, {tolerance:e} m: {share}", ball.name);
+            }
+        }
+    }
+}
+
+/// What is true beside a rehearsed scene: steps of fixed length, far more exact than any error asked for here and of another
+/// sequence than any tolerance gives.
+const TRUE: Accuracy = Accuracy::Fixed(Scheme::Dop853, 1.0 / 300.0);
+
+/// Largest distance of a ball of a whole scene from where it truly is, over all ticks of 10 s.
+fn error(loaded: &LoadedScene, accuracy: Accuracy) -> f64 {
+    let run = |accuracy| Controller::new(&Scene { accuracy, ..loaded.physics().clone() }).unwrap();
+    let (mut coarse, mut fine) = (run(accuracy), run(TRUE));
+    let mut largest = 0.0_f64;
+    for tick in 1..=u64::from(10 * RATE_HZ) {
+        for run in [&mut coarse, &mut fine] {
+            run.advance_to(Time::of_tick(tick, RATE_HZ));
+        }
+        let apart = coarse.balls().zip(fine.balls()).map(|(a, b)| (a.center - b.center).norm());
+        largest = apart.fold(largest, f64::max);
+    }
+    largest
+}
+
+/// What is tried after a tolerance: a quarter of a decade more.
+const NEXT: f64 = 1.8;
+
+#[test]
+fn with_hits_walls_and_hills_the_error_asked_for_is_kept_by_the_largest_tolerance_that_does() {
+    let (mut kept, mut used) = (0, 0);
+    for name in built_in_names().filter(|name| !["gas", "thousand"].contains(name)) {
+        for error_m in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
+            let scene = SceneText::open(name).unwrap().with_accuracy(Some(Asks::Error { error_m }));
+            let loaded = match scene.load() {
+                Ok(loaded) => loaded,
+                // Two of its three balls collide on the hill, again and again.
+                Err(why) => {
+                    assert!(
+                        name == "original" && why.message.contains("no tolerance surely keeps it"),
+                        "{why}"
+                    );
+                    continue;
+                }
+            };
+            let found = loaded.rehearsed().unwrap().tolerance_m;
+            let share = error(&loaded, Accuracy::Tolerance(found)) / error_m;
+            assert!(share <= 1.0, "{name}, {error_m:e} m: {share}");
+            // Steps are halved or not, all at once where a ball rides evenly, and some hits go one way or the other.
+            let next = (share < 0.01 && found < 1e-2).then(|| Accuracy::Tolerance(NEXT * found));
+            assert!(
+                next.is_none_or(|next| error(&loaded, next) > 0.8 * error_m),
+                "{name}, {error_m:e} m: {found}"
+            );
+            kept += 1;
+            used += usize::from(share >= 0.01);
+        }
+    }
+    assert!(kept >= 65 && used >= 28, "{kept} kept, {used} of them by more than a hundredth");
+}
