@@ -69,7 +69,9 @@ pub const CUTS: &[Cut] = &[
         unused_by: SLIDING,
         edits: &[
             ("motion/body.rs", "if self.rolls {", "if false {"),
+            ("motion/look.rs", "if seat.body.rolls {", "if false {"),
             ("controller/observe.rs", "if b.body.rolls {", "if false {"),
+            ("controller/observe.rs", "if !b.body.rolls {", "if true {"),
             (
                 "motion/arc.rs",
                 "self.turning.begin_sized(step.turn.map(V3::from), &sizes.turn, left_out);",
@@ -90,10 +92,30 @@ pub const CUTS: &[Cut] = &[
             ("motion/arc.rs", "if self.path != Path::Curved {", "if true {"),
             ("motion/arc.rs", "if self.path == Path::Curved {", "if false {"),
             ("motion/arc.rs", "Path::Curved => body.land(", "Path::Curved if false => body.land("),
-            ("motion/arc.rs", "Path::Parabola => {", "Path::Parabola | Path::Curved => {"),
+            ("motion/arc.rs", "Path::Parabola | Path::Held => (self", "_ => (self"),
             ("detect/ball_ball.rs", "if both_parabolas && ", "if true || "),
             ("detect/ball_wall.rs", "if arc.path != Path::Curved {", "if true {"),
             ("surface/chart.rs", "match $kernel {", ONLY_FLAT),
+            ("motion/body.rs", "_ => self.seat_on_any(surface, state),", "_ => unreachable!(),"),
+            ("motion/look.rs", "_ => arc.sample(body, surface, *dt),", "_ => unreachable!(),"),
+        ],
+    },
+    Cut {
+        feature: "several balls at once, and ahead of time",
+        unused_by: FLAT,
+        edits: &[
+            ("controller/foresee.rs", "if self.work.foresight.list.is_empty() || ", "if true || "),
+            ("controller/foresee.rs", "if !self.list.is_empty() {", "if false {"),
+            (
+                "controller/foresee.rs",
+                "let Some(Foreseen { next, launched, .. }) = list.get(*present) else { return false };",
+                "let Some(Foreseen { next, launched, .. }) = list.get(*present).filter(|_| false) else { return false };",
+            ),
+            ("controller/foresee.rs", "list.get(*present)?;", "list.get(*present).filter(|_| false)?;"),
+            ("controller/prepare.rs", "} else if !self.work.ahead.is_idle() && ", "} else if false && "),
+            ("controller/prepare.rs", "if self.work.ahead.is_idle() || ", "if true || "),
+            ("controller/approach.rs", "if !self.work.side_by_side {", "if true {"),
+            ("controller/bounce.rs", "if !self.work.side_by_side {", "if true {"),
         ],
     },
     Cut {
@@ -102,6 +124,11 @@ pub const CUTS: &[Cut] = &[
         edits: &[
             ("motion/body.rs", "if surface.is_flat() {", "if false {"),
             ("surface/chart.rs", "match $kernel {", ONLY_QUADRIC),
+            (
+                "motion/body.rs",
+                "Kernel::Flat(chart) => self.seat_on(chart, state),",
+                "Kernel::Flat(_) => unreachable!(),",
+            ),
         ],
     },
     Cut {
@@ -124,7 +151,7 @@ pub const CUTS: &[Cut] = &[
         feature: "impacts of more than two bodies",
         unused_by: GASES,
         edits: &[
-            ("controller/collide.rs", "if !self.is_clear_of_others(&cluster, time, event) {", "if false {"),
+            ("controller/bounce.rs", " || !self.is_clear_of_others(hit) {", " {"),
             ("controller/predict.rs", "if approach.stays_clear() {", "if approach.stays_apart() {"),
             (
                 "controller/predict.rs",
@@ -141,12 +168,15 @@ pub const CUTS: &[Cut] = &[
     Cut {
         feature: "holding balls whose hits pile up",
         unused_by: GASES,
-        edits: &[("controller/collide.rs", "self.count_hits(&mut cluster, time, slow);", "")],
+        edits: &[
+            ("controller/bounce.rs", " || self.is_piling_up(hit)", ""),
+            ("controller/bounce.rs", "self.balls[landed.ball].count_hit(hit.time.quantum(), false);", ""),
+        ],
     },
     Cut {
         feature: "the list of hits",
         unused_by: GASES,
-        edits: &[("controller/collide.rs", "if self.hits_are_full() {", "if true {")],
+        edits: &[("controller/bounce.rs", "if self.hits_are_full() {", "if true {")],
     },
     Cut {
         feature: "other integrators and fixed steps",

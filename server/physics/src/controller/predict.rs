@@ -55,7 +55,10 @@ impl Encounter {
         let begin = from.max(theirs.start);
         let duration = arc.window_end.min(theirs.window_end).since(begin);
         if duration <= 0.0 {
-            // They look again at once.
+            // They look again at once: the other, if its window ends by now, before anything later happens, and tells.
+            if theirs.window_end <= from {
+                found.clear = Clearance::after(from);
+            }
             return Some(found);
         }
         let reach = arc.radius + theirs.radius;

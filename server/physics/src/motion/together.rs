@@ -211,7 +211,7 @@ pub struct Seat<'a> {
 pub struct Landing {
     /// Its state.
     pub state: State,
-    /// The slope there to first order.
+    /// The slope there to first order (curved arcs only).
     pub slope: State,
     /// Its centre, m.
     pub center: V3,
