@@ -88,16 +88,26 @@ pub const CUTS: &[Cut] = &[
         feature: "curved floors",
         unused_by: FLAT,
         edits: &[
-            ("motion/body.rs", "if surface.is_flat() {", "if true {"),
+            (
+                "motion/body.rs",
+                "self.launch_step(surface, accuracy, state, stepping, arc);",
+                "unreachable!();",
+            ),
+            ("controller/predict.rs", "if self.surface.is_flat() {", "if true {"),
+            (
+                "motion/together.rs",
+                "if let Kernel::Flat(chart) = &surface.kernel {",
+                "let Kernel::Flat(chart) = &surface.kernel else { unreachable!() }; if true {",
+            ),
             ("motion/arc.rs", "if self.path != Path::Curved {", "if true {"),
             ("motion/arc.rs", "if self.path == Path::Curved {", "if false {"),
             ("motion/arc.rs", "Path::Curved => body.land(", "Path::Curved if false => body.land("),
             ("motion/arc.rs", "Path::Parabola | Path::Held => (self", "_ => (self"),
-            ("detect/ball_ball.rs", "if both_parabolas && ", "if true || "),
+            ("detect/ball_ball.rs", "if both_parabolas {", "if true {"),
             ("detect/ball_wall.rs", "if arc.path != Path::Curved {", "if true {"),
             ("surface/chart.rs", "match $kernel {", ONLY_FLAT),
             ("motion/body.rs", "_ => self.seat_on_any(surface, state),", "_ => unreachable!(),"),
-            ("motion/look.rs", "_ => arc.sample(body, surface, *dt),", "_ => unreachable!(),"),
+            ("controller/observe.rs", "_ => self.shown_on_curve(b, &seat),", "_ => unreachable!(),"),
         ],
     },
     Cut {
@@ -114,7 +124,7 @@ pub const CUTS: &[Cut] = &[
             ("controller/foresee.rs", "list.get(*present)?;", "list.get(*present).filter(|_| false)?;"),
             ("controller/prepare.rs", "} else if !self.work.ahead.is_idle() && ", "} else if false && "),
             ("controller/prepare.rs", "if self.work.ahead.is_idle() || ", "if true || "),
-            ("controller/approach.rs", "if !self.work.side_by_side {", "if true {"),
+            ("controller/foresee.rs", "if !self.work.side_by_side {", "if true {"),
             ("controller/bounce.rs", "if !self.work.side_by_side {", "if true {"),
         ],
     },
@@ -122,7 +132,22 @@ pub const CUTS: &[Cut] = &[
         feature: "other kinds of floor",
         unused_by: QUADRIC,
         edits: &[
-            ("motion/body.rs", "if surface.is_flat() {", "if false {"),
+            (
+                "motion/body.rs",
+                "if let Kernel::Flat(chart) = &surface.kernel {",
+                "if let Kernel::Flat(chart) = &surface.kernel && false {",
+            ),
+            (
+                "motion/together.rs",
+                "if let Kernel::Flat(chart) = &surface.kernel {",
+                "if let Kernel::Flat(chart) = &surface.kernel && false {",
+            ),
+            (
+                "controller/observe.rs",
+                "Kernel::Flat(chart) => self.shown_alone(b, &seat, look::on_plane(chart, &seat)),",
+                "Kernel::Flat(_) => unreachable!(),",
+            ),
+            ("controller/predict.rs", "if self.surface.is_flat() {", "if false {"),
             ("surface/chart.rs", "match $kernel {", ONLY_QUADRIC),
             (
                 "motion/body.rs",
@@ -135,15 +160,11 @@ pub const CUTS: &[Cut] = &[
         feature: "other balls",
         unused_by: LONE,
         edits: &[
+            ("controller/predict.rs", "let has_others = self.balls.len() > 1;", "let has_others = false;"),
             (
                 "detect/broad_phase.rs",
                 "pub fn file(&mut self, ball: usize, bounds: Bounds) {",
-                "pub fn file(&mut self, ball: usize, bounds: Bounds) { return;",
-            ),
-            (
-                "detect/broad_phase.rs",
-                "mut visit: impl FnMut(usize)) {",
-                "mut visit: impl FnMut(usize)) { return;",
+                "pub fn file(&mut self, ball: usize, bounds: Bounds) { self.filed[ball].bounds = bounds; return;",
             ),
         ],
     },

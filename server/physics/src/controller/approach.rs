@@ -86,6 +86,19 @@ impl Controller {
         }
     }
 
+    /// Lands the balls of one hit on the instant of their impact.
+    pub(super) fn approach_one(&self, hit: &mut Due) {
+        for round in 0..=POLISH_ROUNDS {
+            let time = hit.time;
+            for landed in hit.landed_mut() {
+                *landed = self.land(landed.ball, time);
+            }
+            if self.polish(hit, round == POLISH_ROUNDS) {
+                break;
+            }
+        }
+    }
+
     /// Lands one ball.
     pub(super) fn land(&self, ball: usize, time: Time) -> Landed {
         let (arc, body) = (&self.arcs[ball], &self.balls[ball].body);
@@ -95,13 +108,6 @@ impl Controller {
 
     /// Lands the balls of `hits` at the times that these have now: all at once, the same numbers.
     fn land_all<'a>(&self, hits: impl Iterator<Item = &'a mut Due>) {
-        if !self.work.side_by_side {
-            for hit in hits {
-                let time = hit.time;
-                hit.landed_mut().iter_mut().for_each(|landed| *landed = self.land(landed.ball, time));
-            }
-            return;
-        }
         let mut targets: [Option<&mut Landing>; LANES_MAX] = [const { None }; LANES_MAX];
         let mut seats: [Option<Seat<'_>>; LANES_MAX] = [None; LANES_MAX];
         let mut count = 0;

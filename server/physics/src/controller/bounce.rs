@@ -69,10 +69,12 @@ impl Controller {
 
     /// Whether no wall but the one that is hit touches a ball at `c`.
     fn is_clear_of_walls(&self, hit: &Due, c: &Vector3<f64>, radius: f64) -> bool {
-        if is_within(&[c.x - radius, c.y - radius, c.x + radius, c.y + radius], &self.room) {
+        let hits_wall = matches!(hit.partner, HitPartner::Wall(_));
+        if !hits_wall && is_within(&[c.x - radius, c.y - radius, c.x + radius, c.y + radius], &self.room) {
             return true;
         }
-        let touches = |plane: &Plane| plane.distance(c) - radius <= self.touch(c);
+        let touch = self.touch(c);
+        let touches = |plane: &Plane| plane.distance(c) - radius <= touch;
         let mut others =
             self.walls.iter().enumerate().filter(|(wall, _)| hit.partner != HitPartner::Wall(*wall));
         !others.any(|(_, plane)| touches(plane))
@@ -107,11 +109,11 @@ impl Controller {
     ) {
         state[2..5].copy_from_slice(velocity.as_slice());
         self.leave(ball, time, &state);
-        if self.goes_on_as_foreseen(ball, time, &state) {
-            return;
-        }
         if !self.work.side_by_side {
             return self.launch(ball, time, &state);
+        }
+        if self.goes_on_as_foreseen(ball, time, &state) {
+            return;
         }
         match waiting.take() {
             None => *waiting = Some((ball, state)),

@@ -152,10 +152,12 @@ const _: () = assert!(KEPT < u8::MAX as usize);
 impl Controller {
     /// Lands on a hit that is due now.
     pub(super) fn land_on(&mut self, hit: &mut Due) {
+        if !self.work.side_by_side {
+            return self.approach_one(hit);
+        }
         if self.work.foresight.list.is_empty() || !self.is_plain(hit, self.balls[hit.ball].body.rolls) {
             self.work.foresight.present = usize::MAX;
-            self.approach(std::slice::from_mut(hit));
-            return;
+            return self.approach(std::slice::from_mut(hit));
         }
         self.work.foresight.calendar.count(hit.event);
         let known = self.work.foresight.find(hit).filter(|place| self.still_holds(*place));

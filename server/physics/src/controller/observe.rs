@@ -7,6 +7,7 @@ use crate::motion::law::{State, angular_velocity, velocity};
 use crate::motion::look::{self, Look};
 use crate::motion::rotation;
 use crate::motion::together::Seat;
+use crate::surface::chart::Kernel;
 use nalgebra::{Vector2, Vector3};
 
 type V3 = Vector3<f64>;
@@ -21,9 +22,21 @@ impl Controller {
     /// A ball at the controller's time, by id: about 0.3 us on a curved floor, most of it for the orientation.
     pub fn ball(&self, ball: usize) -> BallState {
         let (b, seat) = self.place_on_arc(ball);
-        let (state, center, normal) = look::sample(&self.surface, &seat);
+        match &self.surface.kernel {
+            Kernel::Flat(chart) => self.shown_alone(b, &seat, look::on_plane(chart, &seat)),
+            _ => self.shown_on_curve(b, &seat),
+        }
+    }
+
+    #[inline(never)]
+    fn shown_on_curve(&self, b: &Ball, seat: &Seat<'_>) -> BallState {
+        self.shown_alone(b, seat, seat.arc.sample(seat.body, &self.surface, seat.dt))
+    }
+
+    #[inline(always)]
+    fn shown_alone(&self, b: &Ball, seat: &Seat<'_>, (state, center, normal): (State, V3, V3)) -> BallState {
         let (omega, orientation) =
-            if b.body.rolls { look::turn(&seat, &state, &normal) } else { self.free_spin(b) };
+            if b.body.rolls { look::turn(seat, &state, &normal) } else { self.free_spin(b) };
         self.shown(&Look { state, center, normal, omega, orientation })
     }
 

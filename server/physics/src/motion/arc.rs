@@ -124,12 +124,12 @@ impl Arc {
     }
 
     #[inline]
-    fn parabola_center(&self, dt: f64) -> V3 {
+    pub(crate) fn parabola_center(&self, dt: f64) -> V3 {
         self.center[0] + (self.center[1] + self.center[2] * dt) * dt
     }
 
     #[inline]
-    fn parabola_velocity(&self, dt: f64) -> V3 {
+    pub(crate) fn parabola_velocity(&self, dt: f64) -> V3 {
         self.center[1] + self.center[2] * (2.0 * dt)
     }
 

@@ -6,7 +6,7 @@ use super::law::{ROLLING, State, angular_velocity, rotation, velocity, velocity_
 use super::together::{Seat, pays};
 use crate::lanes::{LANES_MAX, Lanes};
 use crate::number::{Number, Triple};
-use crate::surface::chart::{Chart, Frame, Kernel, Surface, with_chart};
+use crate::surface::chart::{Chart, FlatChart, Frame, Surface, with_chart};
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -39,7 +39,7 @@ impl Look {
 
     /// One ball.
     fn at(surface: &Surface, seat: Seat<'_>) -> Self {
-        let (state, center, normal) = sample(surface, &seat);
+        let (state, center, normal) = seat.arc.sample(seat.body, surface, seat.dt);
         let mut look = Self { state, center, normal, ..Self::NONE };
         if seat.body.rolls {
             (look.omega, look.orientation) = turn(&seat, &state, &normal);
@@ -48,18 +48,12 @@ impl Look {
     }
 }
 
-/// State, centre and normal of one ball: see [`Arc::sample`].
+/// State, centre and normal of one ball on a plane, where no arc is curved: see [`Arc::sample`].
 #[inline(always)]
-pub fn sample(surface: &Surface, Seat { body, arc, dt }: &Seat<'_>) -> (State, V3, V3) {
-    match &surface.kernel {
-        // No arc on a plane is curved.
-        Kernel::Flat(chart) => {
-            let state = arc.follow(*dt);
-            let (center, normal) = body.seat_on(chart, &state);
-            (state, center, normal)
-        }
-        _ => arc.sample(body, surface, *dt),
-    }
+pub fn on_plane(chart: &FlatChart, Seat { body, arc, dt }: &Seat<'_>) -> (State, V3, V3) {
+    let state = arc.follow(*dt);
+    let (center, normal) = body.seat_on(chart, &state);
+    (state, center, normal)
 }
 
 /// Angular velocity and orientation of one ball that rolls, seen in a state and with a normal.
