@@ -108,9 +108,9 @@ impl Controller {
     #[inline]
     pub(super) fn predict(&mut self, ball: usize, now: Time) {
         if self.surface.is_flat() {
-            self.predict_on::<true>(ball, now)
+            self.predict_on::<true>(ball, now);
         } else {
-            self.predict_on::<false>(ball, now)
+            self.predict_on::<false>(ball, now);
         }
     }
 
