@@ -150,7 +150,7 @@ impl Controller {
     }
 
     /// Takes in whom a ball may meet within its window, and keeps what was found of them to be told.
-    #[inline(always)]
+    #[inline(never)]
     fn look_around<const PLANE: bool>(
         &mut self,
         ball: usize,
