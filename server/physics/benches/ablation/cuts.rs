@@ -111,7 +111,7 @@ pub const CUTS: &[Cut] = &[
         ],
     },
     Cut {
-        feature: "several balls at once, and ahead of time",
+        feature: "several balls at once and ahead of time",
         unused_by: FLAT,
         edits: &[
             ("controller/foresee.rs", "if self.work.foresight.list.is_empty() || ", "if true || "),
