@@ -54,14 +54,18 @@ impl Encounter {
         let mut found = Self { ball, hit: None, clear: Clearance::UNKNOWN };
         let begin = from.max(theirs.start);
         let duration = arc.window_end.min(theirs.window_end).since(begin);
+        let reach = arc.radius + theirs.radius;
         if duration <= 0.0 {
             // They look again at once: the other, if its window ends by now, before anything later happens, and tells.
             if theirs.window_end <= from {
+                let there = Standing::on::<PLANE>(theirs, from);
+                if Approach::of(standing, &there, 0.0, reach, 0.0).stays_clear() {
+                    return None;
+                }
                 found.clear = Clearance::after(from);
             }
             return Some(found);
         }
-        let reach = arc.radius + theirs.radius;
         let here = if begin == from { *standing } else { Standing::on::<PLANE>(arc, begin) };
         let there = Standing::on::<PLANE>(theirs, begin);
         let acceleration = arc.acceleration_bound + theirs.acceleration_bound;
@@ -207,7 +211,11 @@ impl Controller {
         let known = next.what == before.what;
         if next.key(ball as u32) < before.key(ball as u32) {
             self.will_change(ball);
-            let partner = Clearance::before(before.time.after(-ALONE_MARGIN));
+            // Only a ball can be in the way: whether a wall is, is looked at when the time comes.
+            let partner = match before.what {
+                What::Ball { .. } => Clearance::before(before.time.after(-ALONE_MARGIN)),
+                What::Wall { .. } | What::Renew => Clearance::ALWAYS,
+            };
             self.queue.set(ball, next);
             self.queue.set_alone(ball, if known { alone } else { alone.and(partner) });
             self.has_changed(ball);
