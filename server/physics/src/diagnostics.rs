@@ -81,6 +81,11 @@ impl Report {
         self.hits_dropped += other.hits_dropped;
     }
 
+    /// What happened when nothing did: see [`Self::since`].
+    pub(crate) fn of_nothing(&self) -> Self {
+        Self { deepest_penetration: self.deepest_penetration, ..Self::default() }
+    }
+
     /// What happened since `before`, a report of the same controller. The deepest penetration stays that of the
     /// whole run.
     #[must_use]

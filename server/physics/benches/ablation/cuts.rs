@@ -69,7 +69,9 @@ pub const CUTS: &[Cut] = &[
         unused_by: SLIDING,
         edits: &[
             ("motion/body.rs", "if self.rolls {", "if false {"),
+            ("motion/look.rs", "if seat.body.rolls {", "if false {"),
             ("controller/observe.rs", "if b.body.rolls {", "if false {"),
+            ("controller/observe.rs", "if !b.body.rolls {", "if true {"),
             (
                 "motion/arc.rs",
                 "self.turning.begin_sized(step.turn.map(V3::from), &sizes.turn, left_out);",
@@ -86,37 +88,84 @@ pub const CUTS: &[Cut] = &[
         feature: "curved floors",
         unused_by: FLAT,
         edits: &[
-            ("motion/body.rs", "if surface.is_flat() {", "if true {"),
+            (
+                "motion/body.rs",
+                "self.launch_step(surface, accuracy, state, stepping, arc);",
+                "unreachable!();",
+            ),
+            ("controller/predict.rs", "if self.surface.is_flat() {", "if true {"),
+            (
+                "motion/together.rs",
+                "if let Kernel::Flat(chart) = &surface.kernel {",
+                "let Kernel::Flat(chart) = &surface.kernel else { unreachable!() }; if true {",
+            ),
             ("motion/arc.rs", "if self.path != Path::Curved {", "if true {"),
             ("motion/arc.rs", "if self.path == Path::Curved {", "if false {"),
             ("motion/arc.rs", "Path::Curved => body.land(", "Path::Curved if false => body.land("),
-            ("motion/arc.rs", "Path::Parabola => {", "Path::Parabola | Path::Curved => {"),
-            ("detect/ball_ball.rs", "if both_parabolas && ", "if true || "),
+            ("motion/arc.rs", "Path::Parabola | Path::Held => (self", "_ => (self"),
+            ("detect/ball_ball.rs", "if both_parabolas {", "if true {"),
             ("detect/ball_wall.rs", "if arc.path != Path::Curved {", "if true {"),
             ("surface/chart.rs", "match $kernel {", ONLY_FLAT),
+            ("motion/body.rs", "_ => self.seat_on_any(surface, state),", "_ => unreachable!(),"),
+            ("controller/observe.rs", "_ => self.shown_on_curve(b, &seat),", "_ => unreachable!(),"),
+        ],
+    },
+    Cut {
+        feature: "several balls at once and ahead of time",
+        unused_by: FLAT,
+        edits: &[
+            ("controller/foresee.rs", "if self.work.foresight.list.is_empty() || ", "if true || "),
+            ("controller/foresee.rs", "if !self.list.is_empty() {", "if false {"),
+            (
+                "controller/foresee.rs",
+                "let Some(Foreseen { next, launched, .. }) = list.get(*present) else { return false };",
+                "let Some(Foreseen { next, launched, .. }) = list.get(*present).filter(|_| false) else { return false };",
+            ),
+            ("controller/foresee.rs", "list.get(*present)?;", "list.get(*present).filter(|_| false)?;"),
+            ("controller/prepare.rs", "} else if !self.work.ahead.is_idle() && ", "} else if false && "),
+            ("controller/prepare.rs", "if self.work.ahead.is_idle() || ", "if true || "),
+            ("controller/foresee.rs", "if self.work.side_by_side {", "if false {"),
+            ("controller/prepare.rs", "if self.work.side_by_side {", "if false {"),
+            ("controller/bounce.rs", "if !self.work.side_by_side {", "if true {"),
         ],
     },
     Cut {
         feature: "other kinds of floor",
         unused_by: QUADRIC,
         edits: &[
-            ("motion/body.rs", "if surface.is_flat() {", "if false {"),
+            (
+                "motion/body.rs",
+                "if let Kernel::Flat(chart) = &surface.kernel {",
+                "if let Kernel::Flat(chart) = &surface.kernel && false {",
+            ),
+            (
+                "motion/together.rs",
+                "if let Kernel::Flat(chart) = &surface.kernel {",
+                "if let Kernel::Flat(chart) = &surface.kernel && false {",
+            ),
+            (
+                "controller/observe.rs",
+                "Kernel::Flat(chart) => self.shown_alone(b, &seat, look::on_plane(chart, &seat)),",
+                "Kernel::Flat(_) => unreachable!(),",
+            ),
+            ("controller/predict.rs", "if self.surface.is_flat() {", "if false {"),
             ("surface/chart.rs", "match $kernel {", ONLY_QUADRIC),
+            (
+                "motion/body.rs",
+                "Kernel::Flat(chart) => self.seat_on(chart, state),",
+                "Kernel::Flat(_) => unreachable!(),",
+            ),
         ],
     },
     Cut {
         feature: "other balls",
         unused_by: LONE,
         edits: &[
+            ("controller/predict.rs", "let has_others = self.balls.len() > 1;", "let has_others = false;"),
             (
                 "detect/broad_phase.rs",
                 "pub fn file(&mut self, ball: usize, bounds: Bounds) {",
-                "pub fn file(&mut self, ball: usize, bounds: Bounds) { return;",
-            ),
-            (
-                "detect/broad_phase.rs",
-                "mut visit: impl FnMut(usize)) {",
-                "mut visit: impl FnMut(usize)) { return;",
+                "pub fn file(&mut self, ball: usize, bounds: Bounds) { self.filed[ball].bounds = bounds; return;",
             ),
         ],
     },
@@ -124,7 +173,7 @@ pub const CUTS: &[Cut] = &[
         feature: "impacts of more than two bodies",
         unused_by: GASES,
         edits: &[
-            ("controller/collide.rs", "if !self.is_clear_of_others(&cluster, time, event) {", "if false {"),
+            ("controller/bounce.rs", " || !self.is_clear_of_others(hit) {", " {"),
             ("controller/predict.rs", "if approach.stays_clear() {", "if approach.stays_apart() {"),
             (
                 "controller/predict.rs",
@@ -141,12 +190,15 @@ pub const CUTS: &[Cut] = &[
     Cut {
         feature: "holding balls whose hits pile up",
         unused_by: GASES,
-        edits: &[("controller/collide.rs", "self.count_hits(&mut cluster, time, slow);", "")],
+        edits: &[
+            ("controller/bounce.rs", " || self.is_piling_up(hit)", ""),
+            ("controller/bounce.rs", "self.balls[landed.ball].count_hit(hit.time.quantum(), false);", ""),
+        ],
     },
     Cut {
         feature: "the list of hits",
         unused_by: GASES,
-        edits: &[("controller/collide.rs", "if self.hits_are_full() {", "if true {")],
+        edits: &[("controller/bounce.rs", "if self.hits_are_full() {", "if true {")],
     },
     Cut {
         feature: "other integrators and fixed steps",

@@ -6,6 +6,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// Kernels of floors that no counted scene has: left out, for the compiler takes most of its time for them.
+const KERNELS_LEFT_OUT: [&str; 9] =
+    ["Height2", "Height3", "Height4", "Height5", "Height6", "Height12", "Net3", "Net5", LAST_KERNEL];
+/// The last that is asked for.
+const LAST_KERNEL: &str = "Net12";
+/// Vectors that callgrind cannot run.
+const VECTORS_LEFT_OUT: &str = r#", "x86-v4""#;
+
 /// Files and what stood in them.
 pub type Files = BTreeMap<PathBuf, String>;
 
@@ -15,7 +23,7 @@ pub struct Workbench {
 }
 
 impl Workbench {
-    /// A fresh copy of the engine, its cases and its benches.
+    /// A fresh copy of the engine, its cases and its benches, without what no count can reach.
     pub fn new() -> Result<Self, String> {
         let engine = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
         let root = engine.ancestors().nth(2).ok_or("the engine lies in no workspace")?;
@@ -30,9 +38,28 @@ impl Workbench {
             Some(("default-members", _)) => "",
             _ => line,
         });
-        write(&copy.join("Cargo.toml"), &alone.collect::<Vec<_>>().join("\n"))?;
+        let alone = alone.collect::<Vec<_>>().join("\n").replace(VECTORS_LEFT_OUT, "");
+        write(&copy.join("Cargo.toml"), &alone)?;
         fs::copy(root.join("Cargo.lock"), copy.join("Cargo.lock")).map_err(said(root))?;
-        Ok(Self { copy })
+        let bench = Self { copy };
+        bench.leave_out_kernels()?;
+        Ok(bench)
+    }
+
+    /// Takes the choice of unneeded kernels out of the copy.
+    fn leave_out_kernels(&self) -> Result<(), String> {
+        let path = self.copied("surface/chart.rs");
+        let mut text = fs::read_to_string(&path).map_err(said(&path))?;
+        for kernel in KERNELS_LEFT_OUT {
+            let arm = format!("$crate::surface::chart::Kernel::{kernel}($chart) => $body,");
+            if !text.contains(&arm) {
+                return Err(format!(
+                    "surface/chart.rs has no `{arm}` any more: renew the kernels in benches/ablation/workbench.rs"
+                ));
+            }
+            text = text.replace(&arm, if kernel == LAST_KERNEL { "_ => unreachable!()," } else { "" });
+        }
+        write(&path, &text)
     }
 
     /// Takes a feature out of the copy; returns the files as they were.

@@ -22,11 +22,16 @@ impl Controller {
             return self.advance_divided(time, in_turn);
         }
         self.clear_hits();
-        let before = self.report;
         if time <= self.time {
             return Report::default();
         }
         self.time = time;
+        if self.queue.first().1.time > time { self.report.of_nothing() } else { self.run_and_report(time) }
+    }
+
+    #[inline(never)]
+    fn run_and_report(&mut self, time: Time) -> Report {
+        let before = self.report;
         self.run_to(time);
         self.report.since(&before)
     }

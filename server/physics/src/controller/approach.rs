@@ -3,6 +3,7 @@
 use super::Controller;
 use crate::diagnostics::HitPartner;
 use crate::lanes::LANES_MAX;
+use crate::motion::arc::Path;
 use crate::motion::law::{State, velocity};
 use crate::motion::together::{self, Landing, Seat};
 use crate::resolve::impact::{Contact, Member};
@@ -85,6 +86,26 @@ impl Controller {
         }
     }
 
+    /// Lands the balls of one hit on the instant of their impact.
+    pub(super) fn approach_one(&self, hit: &mut Due) {
+        for round in 0..=POLISH_ROUNDS {
+            let time = hit.time;
+            for landed in hit.landed_mut() {
+                *landed = self.land(landed.ball, time);
+            }
+            if self.polish(hit, round == POLISH_ROUNDS) {
+                break;
+            }
+        }
+    }
+
+    /// Lands one ball.
+    pub(super) fn land(&self, ball: usize, time: Time) -> Landed {
+        let (arc, body) = (&self.arcs[ball], &self.balls[ball].body);
+        let dt = time.since(arc.start).max(0.0);
+        Landed { ball, at: together::land_alone(&self.surface, self.accuracy, Seat { body, arc, dt }) }
+    }
+
     /// Lands the balls of `hits` at the times that these have now: all at once, the same numbers.
     fn land_all<'a>(&self, hits: impl Iterator<Item = &'a mut Due>) {
         let mut targets: [Option<&mut Landing>; LANES_MAX] = [const { None }; LANES_MAX];
@@ -159,7 +180,11 @@ impl Controller {
     fn shift(&self, landed: &mut Landed, shift: f64) {
         let body = &self.balls[landed.ball].body;
         let at = &mut landed.at;
-        for (y, s) in at.state.iter_mut().zip(&at.slope) {
+        let slope = match self.arcs[landed.ball].path {
+            Path::Parabola => body.slope(&self.surface, &at.state),
+            Path::Curved | Path::Held => at.slope,
+        };
+        for (y, s) in at.state.iter_mut().zip(&slope) {
             *y += s * shift;
         }
         (at.center, at.normal) = body.settle(&self.surface, &mut at.state);
@@ -172,6 +197,11 @@ impl Controller {
             normal: landed.at.normal,
             inverse_mass: self.balls[landed.ball].inverse_mass,
         }
+    }
+
+    /// The two of a landed hit; with a wall only the first is anybody.
+    pub(super) fn members(&self, hit: &Due) -> [Member; 2] {
+        [&hit.landed[0], &hit.landed[1]].map(|landed| self.member(landed))
     }
 
     /// The contact of a landed hit, and how far its balls overlap, m.
@@ -196,7 +226,7 @@ impl Controller {
 
     /// What a landed hit makes of its balls if nothing else touches them and it is not slow.
     pub(super) fn outcome(&self, hit: &Due) -> Option<[State; 2]> {
-        let mut members = [&hit.landed[0], &hit.landed[1]].map(|landed| self.member(landed));
+        let mut members = self.members(hit);
         let (contact, _) = self.contact(hit);
         if contact.closing(&members) <= REST_SPEED {
             return None;

@@ -2,17 +2,15 @@
 
 use super::Controller;
 use super::approach::{Due, Landed};
-use crate::detect::ball_wall::Plane;
-use crate::detect::broad_phase::is_within;
 use crate::diagnostics::{Hit, HitPartner};
 use crate::motion::arc::Path;
 use crate::motion::law::State;
-use crate::motion::together::{self, Landing, Seat};
+use crate::motion::together::Landing;
 use crate::resolve::impact::{Contact, Member, hop, resolve_cluster, resolve_one};
 use crate::schedule::time::{QUANTUM, Time};
 use crate::tolerance::{
-    ALONE_MARGIN, CLUSTER_MAX, HOLD_SPEED, HOP_SPEED, POLISH, REST_HITS_MAX, REST_SPEED, SLOW_CLUSTER_MAX,
-    TOUCH_CURVED, TOUCH_ULPS,
+    CLUSTER_MAX, HOLD_SPEED, HOP_SPEED, POLISH, REST_HITS_MAX, REST_SPEED, SLOW_CLUSTER_MAX, TOUCH_CURVED,
+    TOUCH_ULPS,
 };
 use nalgebra::Vector3;
 
@@ -67,23 +65,25 @@ impl Controller {
     /// Resolves a hit that is due.
     pub(super) fn collide(&mut self, hit: &mut Due) {
         self.land_on(hit);
+        let (contact, depth) = self.contact(hit);
+        self.report.deepest_penetration = self.report.deepest_penetration.max(depth);
+        if !self.bounce(hit, &contact) {
+            self.resolve_with_others(hit, contact);
+        }
+        self.close_foreseen();
+    }
+
+    /// Resolves a landed hit together with whatever else touches those who meet.
+    #[inline(never)]
+    fn resolve_with_others(&mut self, hit: &Due, contact: Contact) {
         let mut cluster = self.work.cluster.take().unwrap_or_default();
         cluster.clear();
         for landed in hit.landed() {
             self.enter(&mut cluster, *landed);
         }
-        let (contact, depth) = self.contact(hit);
-        self.report.deepest_penetration = self.report.deepest_penetration.max(depth);
         cluster.contacts.push(contact);
         cluster.pairs.push(Pair { ball: hit.ball, partner: hit.partner });
         self.resolve(cluster, hit.time, hit.event);
-        self.close_foreseen();
-    }
-
-    fn land(&self, ball: usize, time: Time) -> Landed {
-        let (arc, body) = (&self.arcs[ball], &self.balls[ball].body);
-        let dt = time.since(arc.start).max(0.0);
-        Landed { ball, at: together::land_alone(&self.surface, self.accuracy, Seat { body, arc, dt }) }
     }
 
     fn enter(&self, cluster: &mut Cluster, landed: Landed) {
@@ -99,9 +99,7 @@ impl Controller {
         if slow {
             self.report.rest_hits += 1;
         }
-        if !self.is_clear_of_others(&cluster, time, event) {
-            self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });
-        }
+        self.gather(&mut cluster, time, if slow { SLOW_CLUSTER_MAX } else { CLUSTER_MAX });
         for landed in &cluster.landed {
             self.will_change(landed.ball);
             self.reads_neighbours(landed.ball);
@@ -131,31 +129,11 @@ impl Controller {
                 self.report.fallbacks += 1;
             }
         }
-        self.record(&cluster, time);
+        self.record_all(&cluster, time);
         self.count_hits(&mut cluster, time, slow);
         self.relaunch_moved(&mut cluster, time, now);
         cluster.landed.iter().for_each(|landed| self.has_changed(landed.ball));
         self.work.cluster = Some(cluster);
-    }
-
-    /// Whether surely nothing touches those of the first contact but each other: the searches ahead have seen to that.
-    fn is_clear_of_others(&self, cluster: &Cluster, time: Time, event: Time) -> bool {
-        time.since(event).abs() < 0.5 * ALONE_MARGIN
-            && cluster.landed.iter().all(|landed| {
-                self.queue.alone(landed.ball).holds_at(event) && self.is_clear_of_walls(cluster, landed)
-            })
-    }
-
-    /// Whether no wall but that of the first contact touches a ball.
-    fn is_clear_of_walls(&self, cluster: &Cluster, landed: &Landed) -> bool {
-        let (c, radius) = (landed.at.center, self.balls[landed.ball].body.radius);
-        if is_within(&[c.x - radius, c.y - radius, c.x + radius, c.y + radius], &self.room) {
-            return true;
-        }
-        let touches = |plane: &Plane| plane.distance(&c) - radius <= self.touch(&c);
-        let hit = cluster.pairs[0].partner;
-        let mut others = self.walls.iter().enumerate().filter(|(wall, _)| hit != HitPartner::Wall(*wall));
-        !others.any(|(_, plane)| touches(plane))
     }
 
     /// Adds to the cluster every ball and wall that touches a member, and theirs, up to `most` contacts.
@@ -225,31 +203,17 @@ impl Controller {
     }
 
     /// Gap below which things at `center` count as touching, m.
-    fn touch(&self, center: &V3) -> f64 {
+    pub(super) fn touch(&self, center: &V3) -> f64 {
         let size = center.amax();
         let ulps = TOUCH_ULPS * f64::EPSILON * size;
         if self.surface.is_flat() { ulps } else { ulps.max(TOUCH_CURVED * (1.0 + size)) }
     }
 
-    fn record(&mut self, cluster: &Cluster, time: Time) {
+    fn record_all(&mut self, cluster: &Cluster, time: Time) {
         for ((contact, pair), impulse) in cluster.contacts.iter().zip(&cluster.pairs).zip(&cluster.impulses) {
-            if *impulse <= 0.0 {
-                continue;
-            }
-            match pair.partner {
-                HitPartner::Ball(_) => self.report.collisions.ball_ball += 1,
-                HitPartner::Wall(_) => self.report.collisions.ball_wall += 1,
-            }
-            if !self.lists_hits_of(pair.ball) {
-                continue;
-            }
-            if self.hits_are_full() {
-                self.drop_hits(1);
-                continue;
-            }
             let at = &cluster.landed[contact.a];
             let point = at.at.center + contact.line * self.balls[at.ball].body.radius;
-            self.hits.push(Hit { time, ball: pair.ball, partner: pair.partner, point, impulse: *impulse });
+            self.record(&Hit { time, ball: pair.ball, partner: pair.partner, point, impulse: *impulse });
         }
     }
 
@@ -269,24 +233,14 @@ impl Controller {
                 // Held before, and still.
                 continue;
             }
-            state[2..5].copy_from_slice(member.velocity.as_slice());
             if cluster.held[place] {
+                state[2..5].copy_from_slice(member.velocity.as_slice());
                 self.hold(ball, time, &state);
             } else {
-                self.leave(ball, time, &state);
-                if self.goes_on_as_foreseen(ball, time, &state) {
-                    continue;
-                }
-                // Two by two.
-                match waiting.take() {
-                    None => waiting = Some((ball, state)),
-                    Some(other) => self.launch_pair(time, [other, (ball, state)]),
-                }
+                self.send_off(ball, time, (state, &member.velocity), &mut waiting);
             }
         }
-        if let Some((ball, state)) = waiting {
-            self.launch(ball, time, &state);
-        }
+        self.send_last(time, waiting);
         for ball in cluster.found.drain(..) {
             self.predict(ball, now);
         }
@@ -298,15 +252,9 @@ impl Controller {
     fn count_hits(&mut self, cluster: &mut Cluster, time: Time, slow: bool) {
         let (mut too_many_slow, mut too_many) = (false, false);
         for landed in &cluster.landed {
-            let b = &mut self.balls[landed.ball];
-            if b.hits_quantum != time.quantum() {
-                b.hits_quantum = time.quantum();
-                (b.hits, b.rest_hits) = (0, 0);
-            }
-            b.hits += 1;
-            b.rest_hits += u32::from(slow);
-            too_many_slow |= slow && b.rest_hits > REST_HITS_MAX;
-            too_many |= b.hits > self.hit_budget;
+            let (hits, rest_hits) = self.balls[landed.ball].count_hit(time.quantum(), slow);
+            too_many_slow |= slow && rest_hits > REST_HITS_MAX;
+            too_many |= hits > self.hit_budget;
         }
         if !too_many_slow && !too_many {
             return;

@@ -152,10 +152,15 @@ const _: () = assert!(KEPT < u8::MAX as usize);
 impl Controller {
     /// Lands on a hit that is due now.
     pub(super) fn land_on(&mut self, hit: &mut Due) {
+        if self.work.side_by_side { self.land_with_others(hit) } else { self.approach_one(hit) }
+    }
+
+    /// Lands on it with hits that are due soon.
+    #[inline(never)]
+    fn land_with_others(&mut self, hit: &mut Due) {
         if self.work.foresight.list.is_empty() || !self.is_plain(hit, self.balls[hit.ball].body.rolls) {
             self.work.foresight.present = usize::MAX;
-            self.approach(std::slice::from_mut(hit));
-            return;
+            return self.approach(std::slice::from_mut(hit));
         }
         self.work.foresight.calendar.count(hit.event);
         let known = self.work.foresight.find(hit).filter(|place| self.still_holds(*place));
@@ -179,6 +184,7 @@ impl Controller {
     }
 
     /// Puts a ball on the arc foreseen for after the present hit; false if another follows.
+    #[inline(never)]
     pub(super) fn goes_on_as_foreseen(&mut self, ball: usize, time: Time, state: &State) -> bool {
         let Foresight { list, present, .. } = &self.work.foresight;
         let Some(Foreseen { next, launched, .. }) = list.get(*present) else { return false };

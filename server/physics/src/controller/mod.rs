@@ -8,7 +8,8 @@
 //! | next arcs, several at once | `prepare` |
 //! | landing on hits | `approach` |
 //! | hits, several at once | `foresee` |
-//! | a hit | `collide` |
+//! | a hit of two | `bounce` |
+//! | a hit, whoever else touches | `collide` |
 //! | a push, a held force | `steer` |
 //! | balls set anew, all or none | `reseat` |
 //! | other balls, another floor, other laws from now on | `succeed` |
@@ -20,6 +21,7 @@
 
 mod advance;
 mod approach;
+mod bounce;
 pub mod checkpoint;
 mod collide;
 mod foresee;
@@ -149,18 +151,21 @@ struct Work {
     /// Whom a search found.
     found: Vec<predict::Encounter>,
     foresight: foresee::Foresight,
+    /// Whether several balls can be computed side by side on this floor and this machine.
+    side_by_side: bool,
 }
 
 /// A copy has as much room, empty: a run that begins as a copy must not take memory at its first hit.
 impl Clone for Work {
     fn clone(&self) -> Self {
-        let Self { ahead, foresight, .. } = self;
+        let Self { ahead, foresight, side_by_side, .. } = self;
         Self {
             scratch: Scratch::with_room(CLUSTER_MAX + 1),
             cluster: Some(Box::new(collide::Cluster::new())),
             ahead: ahead.clone(),
             found: Vec::with_capacity(FOUND),
             foresight: foresight.clone(),
+            side_by_side: *side_by_side,
         }
     }
 }
@@ -174,6 +179,7 @@ impl Work {
             ahead: prepare::Ahead::new(balls, width),
             found: Vec::with_capacity(FOUND),
             foresight: foresee::Foresight::new(balls, width),
+            side_by_side: width > 1,
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::motion::law::{State, angular_velocity, velocity};
 use crate::motion::look::{self, Look};
 use crate::motion::rotation;
 use crate::motion::together::Seat;
+use crate::surface::chart::Kernel;
 use nalgebra::{Vector2, Vector3};
 
 type V3 = Vector3<f64>;
@@ -21,7 +22,22 @@ impl Controller {
     /// A ball at the controller's time, by id: about 0.3 us on a curved floor, most of it for the orientation.
     pub fn ball(&self, ball: usize) -> BallState {
         let (b, seat) = self.place_on_arc(ball);
-        self.shown(b, &Look::at(&self.surface, seat))
+        match &self.surface.kernel {
+            Kernel::Flat(chart) => self.shown_alone(b, &seat, look::on_plane(chart, &seat)),
+            _ => self.shown_on_curve(b, &seat),
+        }
+    }
+
+    #[inline(never)]
+    fn shown_on_curve(&self, b: &Ball, seat: &Seat<'_>) -> BallState {
+        self.shown_alone(b, seat, seat.arc.sample(seat.body, &self.surface, seat.dt))
+    }
+
+    #[inline(always)]
+    fn shown_alone(&self, b: &Ball, seat: &Seat<'_>, (state, center, normal): (State, V3, V3)) -> BallState {
+        let (omega, orientation) =
+            if b.body.rolls { look::turn(seat, &state, &normal) } else { self.free_spin(b) };
+        self.shown(&Look { state, center, normal, omega, orientation })
     }
 
     /// The balls at the controller's time, by id, each computed as it is asked for.
@@ -42,27 +58,35 @@ impl Controller {
             look::look(&self.surface, &seats[..count], followed, &mut looks[..count]);
             for (place, look) in looks[..count].iter().enumerate() {
                 let ball = first + place;
-                show(ball, &self.shown(&self.holder(ball).balls[ball], look));
+                let (b, mut look) = (&self.holder(ball).balls[ball], *look);
+                if !b.body.rolls {
+                    (look.omega, look.orientation) = self.free_spin(b);
+                }
+                show(ball, &self.shown(&look));
             }
         }
     }
 
     /// A ball and its place on its arc at the controller's time.
+    #[inline]
     fn place_on_arc(&self, ball: usize) -> (&Ball, Seat<'_>) {
         let at = self.holder(ball);
         let (b, arc) = (&at.balls[ball], &at.arcs[ball]);
         (b, Seat { body: &b.body, arc, dt: at.time.since(arc.start).max(0.0) })
     }
 
-    /// What is seen of a ball, as it is shown.
-    fn shown(&self, b: &Ball, look: &Look) -> BallState {
-        let Look { state, center, normal, mut omega, mut orientation } = *look;
-        if !b.body.rolls {
-            omega = b.free_omega;
-            orientation = rotation::of_rotation_vector(b.free_omega * self.time.seconds());
-        }
+    /// What is seen, as it is shown.
+    #[inline]
+    fn shown(&self, look: &Look) -> BallState {
+        let Look { state, center, normal, omega, orientation } = *look;
         let [u, v] = self.surface.uv([state[0], state[1]]);
         BallState { uv: Vector2::new(u, v), center, normal, velocity: velocity(&state), omega, orientation }
+    }
+
+    /// Angular velocity and orientation of a sliding ball.
+    #[inline]
+    fn free_spin(&self, b: &Ball) -> (V3, [f64; 4]) {
+        (b.free_omega, rotation::of_steady_spin(&b.free_omega, self.time))
     }
 
     /// State, centre and normal at the controller's time.

@@ -45,7 +45,7 @@ impl Encounter {
     /// Of the arcs of two balls, the second `ball`, from `from` on while both look ahead; nothing if they surely stay clear
     /// of each other. `standing` is where the first is then.
     #[inline(always)]
-    fn of(
+    fn of<const PLANE: bool>(
         (arc, theirs): (&Arc, &Arc),
         ball: usize,
         (from, standing): (Time, &Standing),
@@ -54,13 +54,20 @@ impl Encounter {
         let mut found = Self { ball, hit: None, clear: Clearance::UNKNOWN };
         let begin = from.max(theirs.start);
         let duration = arc.window_end.min(theirs.window_end).since(begin);
+        let reach = arc.radius + theirs.radius;
         if duration <= 0.0 {
-            // They look again at once.
+            // They look again at once: the other, if its window ends by now, before anything later happens, and tells.
+            if theirs.window_end <= from {
+                let there = Standing::on::<PLANE>(theirs, from);
+                if Approach::of(standing, &there, 0.0, reach, 0.0).stays_clear() {
+                    return None;
+                }
+                found.clear = Clearance::after(from);
+            }
             return Some(found);
         }
-        let reach = arc.radius + theirs.radius;
-        let here = if begin == from { *standing } else { Standing::of(arc, begin) };
-        let there = Standing::of(theirs, begin);
+        let here = if begin == from { *standing } else { Standing::on::<PLANE>(arc, begin) };
+        let there = Standing::on::<PLANE>(theirs, begin);
         let acceleration = arc.acceleration_bound + theirs.acceleration_bound;
         let approach = Approach::of(&here, &there, acceleration, reach, duration);
         if approach.stays_clear() {
@@ -68,7 +75,7 @@ impl Encounter {
         }
         if !approach.stays_apart() {
             *searched += 1;
-            found.look_closer((arc, theirs), (&here, &there), (begin, duration));
+            found.look_closer::<PLANE>((arc, theirs), (&here, &there), (begin, duration));
         } else if parts_briskly(&here, &there, acceleration, duration) {
             found.clear = Clearance::after(begin.after(ALONE_MARGIN));
         }
@@ -77,7 +84,7 @@ impl Encounter {
 
     /// Whether and when they hit.
     #[inline(never)]
-    fn look_closer(
+    fn look_closer<const PLANE: bool>(
         &mut self,
         (arc, theirs): (&Arc, &Arc),
         (here, there): (&Standing, &Standing),
@@ -85,7 +92,8 @@ impl Encounter {
     ) {
         let reach = arc.radius + theirs.radius;
         let acceleration = arc.acceleration_bound + theirs.acceleration_bound;
-        let hit = ball_ball::time_of_impact((arc, theirs), (here, there), begin, duration, reach);
+        let time_of_impact = if PLANE { ball_ball::time_on_plane } else { ball_ball::time_of_impact };
+        let hit = time_of_impact((arc, theirs), (here, there), begin, duration, reach);
         if let Some(t) = hit {
             let time = begin.after(t);
             self.hit = Some(Next { time, what: What::Ball { other: self.ball as u32, stamp: theirs.stamp } });
@@ -101,12 +109,22 @@ impl Encounter {
 impl Controller {
     /// Opens a window for `ball` from `now` on and finds what comes first in it. The present is the caller's event: what
     /// happens to others meanwhile, far away, cannot touch it.
+    #[inline]
     pub(super) fn predict(&mut self, ball: usize, now: Time) {
+        if self.surface.is_flat() {
+            self.predict_on::<true>(ball, now);
+        } else {
+            self.predict_on::<false>(ball, now);
+        }
+    }
+
+    #[inline(never)]
+    fn predict_on<const PLANE: bool>(&mut self, ball: usize, now: Time) {
         self.will_change(ball);
         self.report.searches += 1;
         let arc = &self.arcs[ball];
         let from = now.max(arc.start);
-        let standing = Standing::of(arc, from);
+        let standing = Standing::on::<PLANE>(arc, from);
         self.open_window(ball, from, standing.velocity.norm());
         let arc = &self.arcs[ball];
         let (id, stamp) = (ball as u32, arc.stamp);
@@ -116,36 +134,64 @@ impl Controller {
         let bounds =
             swept_bounds(&standing.center, &standing.velocity, arc.acceleration_bound, arc.radius, duration);
         if !is_within(&bounds, &self.room) {
-            first.next = self.first_wall(ball, (from, &standing), first.next);
+            first.next = self.first_wall::<PLANE>(ball, (from, &standing), first.next);
         }
         self.broad_phase.file(ball, bounds);
-        let Self { broad_phase, arcs, queue, report, work, .. } = self;
-        let arc = &arcs[ball];
-        broad_phase.neighbours(ball, |other| {
-            report.pairs[0] += 1;
-            if let Some(found) =
-                Encounter::of((arc, &arcs[other]), other, (from, &standing), &mut report.pairs[1])
-            {
-                first.take_in(id, &found);
-                work.found.push(found);
-            }
-        });
-        queue.set(ball, first.next);
-        queue.set_alone(ball, first.others);
+        let has_others = self.balls.len() > 1;
+        if has_others {
+            self.look_around::<PLANE>(ball, (from, &standing), &mut first);
+        }
+        self.queue.set(ball, first.next);
+        self.queue.set_alone(ball, first.others);
         self.reads_neighbours(ball);
         self.has_changed(ball);
-        while let Some(found) = self.work.found.pop() {
-            self.tell(&found, id, stamp);
+        if has_others {
+            while let Some(found) = self.work.found.pop() {
+                self.tell(&found, id, stamp);
+            }
         }
         self.line_up(ball);
     }
 
+    /// Takes in whom a ball may meet within its window, and keeps what was found of them to be told.
+    #[inline(never)]
+    fn look_around<const PLANE: bool>(
+        &mut self,
+        ball: usize,
+        (from, standing): (Time, &Standing),
+        first: &mut First,
+    ) {
+        let Self { broad_phase, arcs, report, work, .. } = self;
+        let arc = &arcs[ball];
+        broad_phase.neighbours(ball, |other| {
+            report.pairs[0] += 1;
+            let pair = (arc, &arcs[other]);
+            if let Some(found) = Encounter::of::<PLANE>(pair, other, (from, standing), &mut report.pairs[1]) {
+                first.take_in(ball as u32, &found);
+                // Who looks again before anything later happens need not be told.
+                if pair.1.window_end > from {
+                    work.found.push(found);
+                }
+            }
+        });
+    }
+
     /// The earlier of `next` and the first hit of a wall within the window.
-    fn first_wall(&self, ball: usize, (from, standing): (Time, &Standing), mut next: Next) -> Next {
+    fn first_wall<const PLANE: bool>(
+        &self,
+        ball: usize,
+        (from, standing): (Time, &Standing),
+        mut next: Next,
+    ) -> Next {
         let (arc, id) = (&self.arcs[ball], ball as u32);
         let duration = arc.window_end.since(from);
         for (wall, plane) in self.walls.iter().enumerate() {
-            if let Some(t) = ball_wall::time_of_impact((arc, standing), plane, from, duration, arc.radius) {
+            let t = if PLANE {
+                ball_wall::time_on_plane((arc, standing), plane, duration, arc.radius)
+            } else {
+                ball_wall::time_of_impact((arc, standing), plane, from, duration, arc.radius)
+            };
+            if let Some(t) = t {
                 let hit = Next { time: from.after(t), what: What::Wall { wall: wall as u32 } };
                 if hit.key(id) < next.key(id) {
                     next = hit;
@@ -165,7 +211,11 @@ impl Controller {
         let known = next.what == before.what;
         if next.key(ball as u32) < before.key(ball as u32) {
             self.will_change(ball);
-            let partner = Clearance::before(before.time.after(-ALONE_MARGIN));
+            // Only a ball can be in the way: whether a wall is, is looked at when the time comes.
+            let partner = match before.what {
+                What::Ball { .. } => Clearance::before(before.time.after(-ALONE_MARGIN)),
+                What::Wall { .. } | What::Renew => Clearance::ALWAYS,
+            };
             self.queue.set(ball, next);
             self.queue.set_alone(ball, if known { alone } else { alone.and(partner) });
             self.has_changed(ball);

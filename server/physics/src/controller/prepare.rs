@@ -77,7 +77,15 @@ impl Ahead {
 
 impl Controller {
     /// Lines up a ball whose present arc ends within its window with nothing met before, and notes a hit.
+    #[inline]
     pub(super) fn line_up(&mut self, ball: usize) {
+        if self.work.side_by_side {
+            self.line_up_with_others(ball);
+        }
+    }
+
+    #[inline(never)]
+    fn line_up_with_others(&mut self, ball: usize) {
         let next = self.queue.of(ball);
         if next.what != What::Renew {
             self.work.foresight.note(ball, next.time);

@@ -31,8 +31,18 @@ impl Standing {
     /// Of `arc` at `time`.
     #[inline(always)]
     pub fn of(arc: &Arc, time: Time) -> Self {
+        Self::on::<false>(arc, time)
+    }
+
+    /// The same; on a plane the arc need not be asked what kind it is.
+    #[inline(always)]
+    pub(crate) fn on<const PLANE: bool>(arc: &Arc, time: Time) -> Self {
         let dt = time.since(arc.start);
-        Self { center: arc.center_at(dt), velocity: arc.velocity_at(dt) }
+        if PLANE || arc.path != Path::Curved {
+            Self { center: arc.parabola_center(dt), velocity: arc.parabola_velocity(dt) }
+        } else {
+            Self { center: arc.center_at(dt), velocity: arc.velocity_at(dt) }
+        }
     }
 }
 
@@ -102,11 +112,38 @@ pub fn time_of_impact(
     reach: f64,
 ) -> Option<f64> {
     let both_parabolas = a.path != Path::Curved && b.path != Path::Curved;
-    if both_parabolas && a.center[2] == b.center[2] {
-        let noise = closing_noise(now.0.velocity.norm() + now.1.velocity.norm(), 1.0);
-        return straight(now.1.center - now.0.center, now.1.velocity - now.0.velocity, noise, reach)
-            .filter(|t| *t <= duration);
+    if both_parabolas {
+        time_on_plane((a, b), now, from, duration, reach)
+    } else {
+        search((a, b), now, from, duration, reach)
     }
+}
+
+/// The same on a plane.
+pub(crate) fn time_on_plane(
+    (a, b): (&Arc, &Arc),
+    now: (&Standing, &Standing),
+    from: Time,
+    duration: f64,
+    reach: f64,
+) -> Option<f64> {
+    if a.center[2] != b.center[2] {
+        return search((a, b), now, from, duration, reach);
+    }
+    let noise = closing_noise(now.0.velocity.norm() + now.1.velocity.norm(), 1.0);
+    straight(now.1.center - now.0.center, now.1.velocity - now.0.velocity, noise, reach)
+        .filter(|t| *t <= duration)
+}
+
+/// Balls that do not move straight towards each other.
+#[inline(never)]
+fn search(
+    (a, b): (&Arc, &Arc),
+    now: (&Standing, &Standing),
+    from: Time,
+    duration: f64,
+    reach: f64,
+) -> Option<f64> {
     match advance_surely((a, b), now, from, duration, reach) {
         Advance::Hit(t) => Some(t),
         Advance::Apart => None,

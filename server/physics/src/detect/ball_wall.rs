@@ -57,13 +57,12 @@ pub fn time_of_impact(
     duration: f64,
     radius: f64,
 ) -> Option<f64> {
+    if arc.path != Path::Curved {
+        return time_on_plane((arc, now), plane, duration, radius);
+    }
     let gap = plane.distance(&now.center) - radius;
     let speed = now.velocity.dot(&plane.normal);
     let noise = CLOSING_NOISE * now.velocity.norm() + CLOSING_NOISE_SPEED;
-    if arc.path != Path::Curved {
-        let acceleration = 2.0 * arc.center[2].dot(&plane.normal);
-        return parabola(gap, speed, noise, acceleration).filter(|t| *t <= duration);
-    }
     if gap + speed.min(0.0) * duration - 0.5 * arc.acceleration_bound * duration * duration > 0.0 {
         return None;
     }
@@ -90,6 +89,20 @@ pub fn time_of_impact(
         first_descent(&rest)?
     };
     Some(refine(bracket, evaluate) * duration)
+}
+
+/// The same on a plane.
+pub(crate) fn time_on_plane(
+    (arc, now): (&Arc, &Standing),
+    plane: &Plane,
+    duration: f64,
+    radius: f64,
+) -> Option<f64> {
+    let gap = plane.distance(&now.center) - radius;
+    let speed = now.velocity.dot(&plane.normal);
+    let noise = CLOSING_NOISE * now.velocity.norm() + CLOSING_NOISE_SPEED;
+    let acceleration = 2.0 * arc.center[2].dot(&plane.normal);
+    parabola(gap, speed, noise, acceleration).filter(|t| *t <= duration)
 }
 
 /// First time gap + speed t + acceleration t^2/2 falls to zero from above, in its stable forms. In contact only

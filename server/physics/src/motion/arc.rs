@@ -124,12 +124,12 @@ impl Arc {
     }
 
     #[inline]
-    fn parabola_center(&self, dt: f64) -> V3 {
+    pub(crate) fn parabola_center(&self, dt: f64) -> V3 {
         self.center[0] + (self.center[1] + self.center[2] * dt) * dt
     }
 
     #[inline]
-    fn parabola_velocity(&self, dt: f64) -> V3 {
+    pub(crate) fn parabola_velocity(&self, dt: f64) -> V3 {
         self.center[1] + self.center[2] * (2.0 * dt)
     }
 
@@ -176,30 +176,27 @@ impl Arc {
         out
     }
 
-    /// State `dt` seconds after the start and its slope, integrated afresh: what a hit is resolved on.
+    /// State `dt` seconds after the start, integrated afresh: what a hit is resolved on; and on a curved arc its slope, which
+    /// comes with it.
     pub fn land(&self, body: &Body, surface: &Surface, accuracy: Accuracy, dt: f64) -> (State, State) {
         match self.path {
             Path::Curved if dt <= 0.0 => (self.state, self.slope),
             Path::Curved => body.land(surface, accuracy, &self.state, &self.slope, dt),
-            Path::Parabola => {
-                let state = self.follow(dt);
-                (state, body.slope(surface, &state))
-            }
-            Path::Held => (self.state, [0.0; ROLLING]),
+            Path::Parabola | Path::Held => (self.follow(dt), [0.0; ROLLING]),
         }
     }
 
     /// Exact state on a parabola, or of a held ball.
-    fn follow(&self, dt: f64) -> State {
+    #[inline]
+    pub(super) fn follow(&self, dt: f64) -> State {
         let mut out = self.state;
         if self.path == Path::Held {
             return out;
         }
-        let theta = dt / self.scale;
-        let moved = (self.center[1] + self.center[2] * theta) * theta;
+        let moved = (self.center[1] + self.center[2] * dt) * dt;
         out[0] += moved.x;
         out[1] += moved.y;
-        let w = velocity(&self.state) + self.center[2] * (2.0 * theta / self.scale);
+        let w = velocity(&self.state) + self.center[2] * (2.0 * dt);
         out[2..5].copy_from_slice(w.as_slice());
         out
     }
@@ -211,11 +208,12 @@ impl Arc {
 
     /// Whether every number of a launched arc is finite and of a size that can be worked with.
     pub fn is_sane(&self) -> bool {
-        let fine = |x: &f64| x.abs() <= SANE;
-        let terms = if self.path == Path::Curved { TERMS } else { 3 };
-        let centers = self.center[..terms].iter().all(|c| c.iter().all(fine));
-        let (state, ends) = (&self.state, self.end.iter());
-        centers && state.iter().all(fine) && (self.path != Path::Curved || ends.into_iter().all(fine))
+        // All are looked at, whatever the first say: that is quicker.
+        let fine = |all: bool, x: &f64| all & (x.abs() <= SANE);
+        let [a, b, c, rest @ ..] = &self.center;
+        let all = a.iter().chain(b).chain(c).fold(true, fine) & self.state.iter().fold(true, fine);
+        let curved = || rest.iter().flatten().chain(&self.end).fold(true, fine);
+        all && (self.path != Path::Curved || curved())
     }
 
     /// Seconds of the first `dt` of an arc during which the floor would have had to pull: the reaction
@@ -257,7 +255,11 @@ impl Arc {
         }
         self.center = step.center.map(V3::from);
         let left_out = tolerance::turn_left_out(accuracy, h, self.radius);
-        self.turning.begin_sized(step.turn.map(V3::from), &sizes.turn, left_out);
+        if D == ROLLING {
+            self.turning.begin_sized(step.turn.map(V3::from), &sizes.turn, left_out);
+        } else {
+            self.turning.rest(left_out);
+        }
         self.reaction = step.reaction;
         self.acceleration_bound = sizes.bending / (h * h);
     }

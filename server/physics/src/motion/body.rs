@@ -9,7 +9,7 @@ use super::step_size;
 use crate::number::Triple;
 use crate::scene::{Accuracy, Scheme};
 use crate::schedule::time::Time;
-use crate::surface::chart::{Chart, Frame, Surface, with_chart};
+use crate::surface::chart::{Chart, FlatChart, Frame, Kernel, Surface, with_chart};
 use crate::tolerance;
 use nalgebra::Vector3;
 
@@ -52,12 +52,25 @@ impl Body {
     }
 
     /// Centre and normal at a state.
+    #[inline]
     pub fn seat(&self, surface: &Surface, state: &State) -> (V3, V3) {
-        with_chart!(&surface.kernel, chart => {
-            let frame = chart.frame([state[0], state[1]]);
-            let n = frame.normal();
-            ((frame.point() + n * self.radius).into(), n.into())
-        })
+        match &surface.kernel {
+            Kernel::Flat(chart) => self.seat_on(chart, state),
+            _ => self.seat_on_any(surface, state),
+        }
+    }
+
+    #[inline(never)]
+    fn seat_on_any(&self, surface: &Surface, state: &State) -> (V3, V3) {
+        with_chart!(&surface.kernel, chart => self.seat_on(chart, state))
+    }
+
+    /// Centre and normal on one kind of floor.
+    #[inline(always)]
+    pub(super) fn seat_on<C: Chart>(&self, chart: &C, state: &State) -> (V3, V3) {
+        let frame = chart.frame([state[0], state[1]]);
+        let n = frame.normal();
+        ((frame.point() + n * self.radius).into(), n.into())
     }
 
     /// Time derivative of a state.
@@ -108,10 +121,21 @@ impl Body {
     ) {
         arc.start = start;
         arc.state = *state;
-        if surface.is_flat() {
-            self.launch_parabola(surface, accuracy, arc);
-            return;
+        if let Kernel::Flat(chart) = &surface.kernel {
+            return self.launch_parabola(chart, accuracy, arc);
         }
+        self.launch_step(surface, accuracy, state, stepping, arc);
+    }
+
+    #[inline(never)]
+    fn launch_step(
+        &self,
+        surface: &Surface,
+        accuracy: Accuracy,
+        state: &State,
+        stepping: &mut Stepping,
+        arc: &mut Arc,
+    ) {
         with_chart!(&surface.kernel, chart => {
             let law = self.law(chart);
             if self.rolls {
@@ -127,8 +151,8 @@ impl Body {
         });
     }
 
-    fn launch_parabola(&self, surface: &Surface, accuracy: Accuracy, arc: &mut Arc) {
-        let (center, n) = self.seat(surface, &arc.state);
+    fn launch_parabola(&self, chart: &FlatChart, accuracy: Accuracy, arc: &mut Arc) {
+        let (center, n) = self.seat_on(chart, &arc.state);
         let acceleration = (self.applied - n * self.applied.dot(&n)) * (1.0 / (1.0 + self.inertia_factor));
         arc.path = Path::Parabola;
         arc.set_length(f64::INFINITY);

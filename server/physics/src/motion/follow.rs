@@ -71,7 +71,7 @@ fn follow<S: Simd>(simd: S, balls: &[(&Turning, f64)], followed: &mut [Followed]
     for ahead in 0..most {
         let piece = done + theta.like(f64::from(ahead));
         let angle = magnus(rate, piece * length + half * length, length);
-        let next = compose(exponential(angle, doublings, doublings_most), q);
+        let next = compose(exponential(angle, Some(doublings), doublings_most), q);
         for part in 0..4 {
             q[part] = piece.where_less(whole, next[part], q[part]);
         }
@@ -83,7 +83,7 @@ fn follow<S: Simd>(simd: S, balls: &[(&Turning, f64)], followed: &mut [Followed]
     // The last piece is not whole, or none.
     let from = whole * length;
     let h = theta - from;
-    let next = compose(exponential(magnus(rate, from + half * h, h), doublings, doublings_most), q);
+    let next = compose(exponential(magnus(rate, from + half * h, h), Some(doublings), doublings_most), q);
     for part in 0..4 {
         q[part] = from.where_less(theta, next[part], q[part]);
     }

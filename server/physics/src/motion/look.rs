@@ -6,7 +6,7 @@ use super::law::{ROLLING, State, angular_velocity, rotation, velocity, velocity_
 use super::together::{Seat, pays};
 use crate::lanes::{LANES_MAX, Lanes};
 use crate::number::{Number, Triple};
-use crate::surface::chart::{Chart, Frame, Surface, with_chart};
+use crate::surface::chart::{Chart, FlatChart, Frame, Surface, with_chart};
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -38,15 +38,28 @@ impl Look {
     };
 
     /// One ball.
-    pub fn at(surface: &Surface, Seat { body, arc, dt }: Seat<'_>) -> Self {
-        let (state, center, normal) = arc.sample(body, surface, dt);
+    fn at(surface: &Surface, seat: Seat<'_>) -> Self {
+        let (state, center, normal) = seat.arc.sample(seat.body, surface, seat.dt);
         let mut look = Self { state, center, normal, ..Self::NONE };
-        if body.rolls {
-            look.omega = angular_velocity(&normal, &velocity(&state), state[5], body.radius);
-            look.orientation = arc.orientation_at(dt);
+        if seat.body.rolls {
+            (look.omega, look.orientation) = turn(&seat, &state, &normal);
         }
         look
     }
+}
+
+/// State, centre and normal of one ball on a plane, where no arc is curved: see [`Arc::sample`].
+#[inline(always)]
+pub fn on_plane(chart: &FlatChart, Seat { body, arc, dt }: &Seat<'_>) -> (State, V3, V3) {
+    let state = arc.follow(*dt);
+    let (center, normal) = body.seat_on(chart, &state);
+    (state, center, normal)
+}
+
+/// Angular velocity and orientation of one ball that rolls, seen in a state and with a normal.
+#[inline(always)]
+pub fn turn(Seat { body, arc, dt }: &Seat<'_>, state: &State, normal: &V3) -> (V3, [f64; 4]) {
+    (angular_velocity(normal, &velocity(state), state[5], body.radius), arc.orientation_at(*dt))
 }
 
 /// Looks at up to `LANES_MAX` balls, side by side where that pays; orientations go on from what was `followed` before.

@@ -3,6 +3,7 @@
 use super::step::TERMS;
 use crate::lanes::Lanes;
 use crate::number::{Number, Triple, row};
+use crate::schedule::time::Time;
 use crate::tolerance::{
     TURN_BRACKET, TURN_PIECE, TURN_PIECES_MAX, TURN_REMAINDER, TURN_STEPS_PER_SERIES, TURN_TERMS_MAX,
 };
@@ -56,18 +57,24 @@ impl Turning {
 
     /// The same, when the sizes of `turn` are known.
     pub(super) fn begin_sized(&mut self, turn: [V3; TERMS], sizes: &Sizes<f64>, left_out: f64) {
-        self.turn = turn;
-        self.left_out = left_out;
         if turn[1..].iter().all(|c| *c == V3::zeros()) {
-            // A sliding ball.
-            (self.magnus, self.pieces) = (true, 0);
+            self.rest(left_out);
+            self.turn[0] = turn[0];
             return;
         }
+        self.turn = turn;
+        self.left_out = left_out;
         let (series, steps) = (series_pieces(&turn, sizes), magnus_pieces(sizes, left_out));
         self.magnus = steps <= TURN_STEPS_PER_SERIES * series;
         self.pieces = if self.magnus { steps } else { series };
         let fastest: f64 = sizes.length.iter().enumerate().map(|(k, c)| k as f64 * c).sum();
         self.doublings = doublings(fastest / f64::from(self.pieces.max(1)));
+    }
+
+    /// Keeps the orientation from now on, as that of a sliding ball, which is kept elsewhere.
+    pub(super) fn rest(&mut self, left_out: f64) {
+        self.turn = [V3::zeros(); TERMS];
+        (self.magnus, self.pieces, self.left_out) = (true, 0, left_out);
     }
 
     /// The orientation at `theta`.
@@ -98,7 +105,7 @@ impl Turning {
     fn turned(&self, q: [f64; 4], from: f64, h: f64) -> [f64; 4] {
         let by = if self.magnus {
             let angle = magnus(rates(&self.turn, h), from + 0.5 * h, h);
-            exponential(angle, f64::from(self.doublings), self.doublings)
+            exponential(angle, None, self.doublings)
         } else {
             series(&rate_from(&self.turn, from, h), self.left_out)
         };
@@ -184,10 +191,10 @@ impl WithSimd for Steps<'_> {
         let Self { turning, mut q, pieces } = self;
         let length = 1.0 / f64::from(turning.pieces);
         let each = Lanes::new(simd, |_| length);
-        let (rates, doublings) = (rates(&turning.turn, each), each.like(f64::from(turning.doublings)));
+        let rates = rates(&turning.turn, each);
         for first in pieces.clone().step_by(S::F64_LANES) {
             let middle = Lanes::new(simd, |lane| f64::from(first + lane as u32) * length + 0.5 * length);
-            let by = exponential(magnus(rates, middle, each), doublings, turning.doublings);
+            let by = exponential(magnus(rates, middle, each), None, turning.doublings);
             let count = S::F64_LANES.min((pieces.end - first) as usize);
             for lane in 0..count {
                 q = compose([by[0].lane(lane), by[1].lane(lane), by[2].lane(lane), by[3].lane(lane)], q);
@@ -283,8 +290,17 @@ fn series(rate: &[V3; RATE_TERMS], left_out: f64) -> [f64; 4] {
 /// Quaternion (x, y, z, w) of the rotation by |`angle`| about `angle`: the error grows with the angle, about 1e-16 per
 /// radian.
 pub fn of_rotation_vector(angle: V3) -> [f64; 4] {
-    let doublings = doublings(angle.norm());
-    exponential(angle.into(), f64::from(doublings), doublings)
+    exponential(angle.into(), None, doublings(angle.norm()))
+}
+
+/// The same, of a ball that has turned at `omega`, rad/s, since the start. One that does not turn needs no series.
+#[inline]
+pub fn of_steady_spin(omega: &V3, time: Time) -> [f64; 4] {
+    if *omega == V3::zeros() {
+        [omega.x, omega.y, omega.z, 1.0]
+    } else {
+        of_rotation_vector(omega * time.seconds())
+    }
 }
 
 /// Halvings after which half of `angle` is at most 1/4.
@@ -297,14 +313,14 @@ fn doublings(angle: f64) -> u32 {
     count
 }
 
-/// The same quaternion. The half angle is halved as often as `doublings` says, at `most`, to below 1/4 where Taylor series
-/// are exact to rounding, and the quaternion is squared as often.
+/// The same quaternion. The half angle is halved `most` times, or in each lane as often as `doublings` says, to below 1/4
+/// where Taylor series are exact to rounding, and the quaternion is squared as often.
 #[inline(always)]
-pub(super) fn exponential<T: Number>(angle: Triple<T>, doublings: T, most: u32) -> [T; 4] {
+pub(super) fn exponential<T: Number>(angle: Triple<T>, doublings: Option<T>, most: u32) -> [T; 4] {
     let of = angle.0[0];
     let mut half = angle * of.like(0.5);
     for count in 0..most {
-        half = Triple::where_less(of.like(f64::from(count)), doublings, half * of.like(0.5), half);
+        half = while_due(count, doublings, half * of.like(0.5), half);
     }
     let x = half.dot(half);
     // sin(s)/s and 1 - cos(s) for s^2 = x <= 1/16; the first terms left out are below 1e-17.
@@ -322,12 +338,20 @@ pub(super) fn exponential<T: Number>(angle: Triple<T>, doublings: T, most: u32) 
         let next = w * w - v.dot(v);
         let twice = v * (w + w);
         let inverse = one / (next * next + twice.dot(twice)).sqrt();
-        let count = of.like(f64::from(count));
-        v = Triple::where_less(count, doublings, twice * inverse, v);
-        w = count.where_less(doublings, next * inverse, w);
+        v = while_due(count, doublings, twice * inverse, v);
+        w = while_due(count, doublings, Triple([next * inverse; 3]), Triple([w; 3])).0[0];
     }
     let Triple([x, y, z]) = v;
     [x, y, z, w]
+}
+
+/// `next` in the lanes that double more than `count` times, which are all if there is nothing to choose by, else `last`.
+#[inline(always)]
+fn while_due<T: Number>(count: u32, doublings: Option<T>, next: Triple<T>, last: Triple<T>) -> Triple<T> {
+    match doublings {
+        Some(doublings) => Triple::where_less(doublings.like(f64::from(count)), doublings, next, last),
+        None => next,
+    }
 }
 
 /// Coefficients of (sin(s)/s - 1)/s^2 in powers of s^2.

@@ -5,12 +5,13 @@ use super::arc::{Arc, Path, StepSizes, widen};
 use super::body::{Body, Stepping, Verdict, not_finite};
 use super::dop853;
 use super::law::{Law, ROLLING, SLIDING, State};
+use super::look::on_plane;
 use super::rotation::Sizes;
 use super::step::{Step, TERMS};
 use crate::lanes::{LANES_MAX, Lanes};
 use crate::number::Triple;
 use crate::scene::{Accuracy, Scheme};
-use crate::surface::chart::{Chart, Frame, Surface, with_chart};
+use crate::surface::chart::{Chart, Frame, Kernel, Surface, with_chart};
 use crate::tolerance::STEP_MIN;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
@@ -211,7 +212,7 @@ pub struct Seat<'a> {
 pub struct Landing {
     /// Its state.
     pub state: State,
-    /// The slope there to first order.
+    /// The slope there to first order (curved arcs only).
     pub slope: State,
     /// Its centre, m.
     pub center: V3,
@@ -259,7 +260,12 @@ fn land_each(
 }
 
 /// Lands one ball.
-pub fn land_alone(surface: &Surface, accuracy: Accuracy, Seat { body, arc, dt }: Seat<'_>) -> Landing {
+pub fn land_alone(surface: &Surface, accuracy: Accuracy, seat: Seat<'_>) -> Landing {
+    if let Kernel::Flat(chart) = &surface.kernel {
+        let (state, center, normal) = on_plane(chart, &seat);
+        return Landing { state, slope: [0.0; ROLLING], center, normal };
+    }
+    let Seat { body, arc, dt } = seat;
     let (state, slope) = arc.land(body, surface, accuracy, dt);
     let (center, normal) = body.seat(surface, &state);
     Landing { state, slope, center, normal }

@@ -35,7 +35,7 @@ struct Entry {
     ball: u32,
 }
 
-/// Who meets: where there is no ball, a time after all times.
+/// Who meets: where there is no ball, a time after all times, and no two of them alike.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct Match {
@@ -45,7 +45,8 @@ struct Match {
 
 impl Match {
     fn of(some: &[Entry]) -> Self {
-        let mut all = Self { rounded: [u64::MAX; FOUR], balls: [u32::MAX; FOUR] };
+        let mut all =
+            Self { rounded: std::array::from_fn(|place| u64::MAX - place as u64), balls: [u32::MAX; FOUR] };
         for (place, entry) in some.iter().enumerate() {
             (all.rounded[place], all.balls[place]) = (entry.rounded, entry.ball);
         }

@@ -40,11 +40,12 @@ impl Time {
 
     /// Tick `tick` of a clock with `rate_hz` ticks a second, rounded once.
     pub fn of_tick(tick: u64, rate_hz: u32) -> Self {
-        let scaled = i128::from(tick) * i128::from(QUANTA_PER_SECOND);
-        let rate = i128::from(rate_hz.max(1));
-        let quantum = scaled / rate;
-        let rest = (scaled % rate) as f64;
-        Self { quantum: quantum as i64, offset: rest * QUANTUM / rate as f64 }.normalised()
+        let rate = u64::from(rate_hz.max(1));
+        // Whole seconds first: no product outgrows its word.
+        let (seconds, ticks) = ((tick / rate).cast_signed(), (tick % rate).cast_signed());
+        let (scaled, rate) = (ticks * QUANTA_PER_SECOND, rate.cast_signed());
+        let quantum = seconds.wrapping_mul(QUANTA_PER_SECOND).wrapping_add(scaled / rate);
+        Self { quantum, offset: (scaled % rate) as f64 * QUANTUM / rate as f64 }.normalised()
     }
 
     /// Number of the quantum it lies in.

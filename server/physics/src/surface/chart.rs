@@ -6,7 +6,8 @@
 
 use super::basis::{Axis, Basis, POWER_DEGREE_MAX, centred_powers};
 use super::bezier::BezierPatch;
-use super::height::{FlatChart, HeightChart, PowerChart, QuadricChart};
+pub use super::height::FlatChart;
+use super::height::{HeightChart, PowerChart, QuadricChart};
 use super::net::{NetChart, PowerNet};
 use crate::number::{Number, Triple};
 use crate::scene::Floor;

@@ -247,9 +247,14 @@ impl Controller {
     /// To be told before anything of a ball changes.
     #[inline]
     pub(in super::super) fn will_change(&mut self, ball: usize) {
-        if self.share.is_some()
-            && let Some(share) = self.share.take_if(|share| !share.is_changed[ball])
-        {
+        if self.share.is_some() {
+            self.note_change(ball);
+        }
+    }
+
+    #[inline(never)]
+    fn note_change(&mut self, ball: usize) {
+        if let Some(share) = self.share.take_if(|share| !share.is_changed[ball]) {
             self.note_before(share, ball);
         }
     }
@@ -278,9 +283,14 @@ impl Controller {
     /// To be told after an event changed a ball.
     #[inline]
     pub(in super::super) fn has_changed(&mut self, ball: usize) {
-        if self.share.is_some()
-            && let Some(share) = self.share.take_if(|share| !share.whole)
-        {
+        if self.share.is_some() {
+            self.note_changed(ball);
+        }
+    }
+
+    #[inline(never)]
+    fn note_changed(&mut self, ball: usize) {
+        if let Some(share) = self.share.take_if(|share| !share.whole) {
             self.note_after(share, ball);
         }
     }
@@ -303,6 +313,7 @@ impl Controller {
         }
     }
 
+    #[inline(never)]
     fn note_neighbours(&mut self, ball: usize) {
         if let Some(mut share) = self.share.take_if(|share| share.role[ball] >= Role::Shared) {
             share.read(ball);
