@@ -14,7 +14,7 @@ const MORE_PORTS: u16 = 20;
 pub const MAX_SESSIONS: usize = 128;
 
 /// Settings of a server without a configuration file, each with its reason.
-const SETTINGS: [(&str, &str); 14] = [
+const SETTINGS: [(&str, &str); 13] = [
     // Clients need no other process.
     ("mode", "\"router\""),
     // Nobody is found by shouting: endpoints are named.
@@ -31,9 +31,6 @@ const SETTINGS: [(&str, &str); 14] = [
     // Microseconds. The publisher may wait as long as this for every link that is full, one after another.
     ("transport/link/tx/queue/congestion_control/drop/wait_before_drop", "100"),
     ("transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments", "0"),
-    // Microseconds. A link that takes no whole state or answer in as long is closed; its client may come again. It is the
-    // lease of a client too.
-    ("transport/link/tx/queue/congestion_control/block/wait_before_close", "2000000"),
     // Nothing a client has to say to a server is longer.
     ("transport/link/rx/max_message_size", "1048576"),
     ("timestamping/enabled", "false"),
