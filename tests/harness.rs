@@ -31,7 +31,7 @@ mod server;
 mod wait;
 
 pub use camera::{Camera, newest_tick_at};
-pub use crowd::Crowd;
+pub use crowd::{Crowd, Kind};
 pub use noise::Noise;
 pub use process::{Output, Process, run};
 pub use ride::{Ride, Row};

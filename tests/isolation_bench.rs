@@ -1,12 +1,64 @@
-//! What ten rough clients cost a healthy one: `cargo bench --workspace --bench isolation [-- SECONDS]`.
+//! What ten rough clients cost a healthy one:
+//! `cargo bench --workspace --bench isolation [-- [--seconds S] [--rounds N] [--balls N]… [--with WORD]… [KIND…]]`.
 //!
 //! For 100 and 10 000 balls at 60 Hz: ticks that ended late, states the healthy client heard of those published, and their
-//! age when they were read (the server's wall clock at the tick to this process's, which is the same clock), without and
-//! with the crowd, turn about.
+//! age when they were read (the server's wall clock at the tick to this process's, which is the same clock), turn about
+//!
+//! | crowd | where the rough clients are |
+//! |---|---|
+//! | `none` | nowhere |
+//! | `away` | on this machine, at another server of the same scene |
+//! | `here` | at the server that is looked at |
+//!
+//! Rough clients and that other server get only processor time that others leave. What they cost all the same, in caches, memory,
+//! wake-ups and the kernel's side of loopback, `away` shows: it is what a crowd on machines of its own would not cost.
+//! What `here` costs beyond `away` is what the server lets through, and what it must do for the crowd in its own threads.
+//! The other server cannot serve a crowd as fast as one that has a core: of that part `away` shows less than there is. A crowd
+//! also keeps cores awake, so that ticks may be late less often beside it than without.
 
 use ballroom_client::Client;
+use clap::Parser;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
-use tests::{Crowd, Server};
+use tests::{Crowd, Kind, Process, Server};
+
+/// Measure what ten rough clients cost a healthy one
+#[derive(Parser)]
+struct Arguments {
+    /// Kinds of rough clients, all without any: stopped, slow, presses, nonsense, questions, bytes, vanishing
+    #[arg(value_parser = |name: &str| Kind::named(name).ok_or("no kind of rough client"))]
+    kinds: Vec<Kind>,
+    /// Length of a window
+    #[arg(long, default_value_t = 10)]
+    seconds: u64,
+    /// Windows of each sort
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
+    rounds: u16,
+    /// Balls of the gas
+    #[arg(long = "balls", default_values_t = [100, 10_000])]
+    balls: Vec<u32>,
+    /// One more word for `ballroom serve`, for instance --with=--threads=1; may be repeated
+    #[arg(long = "with", value_name = "WORD")]
+    with: Vec<String>,
+    /// Given by cargo
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+impl Arguments {
+    fn words<'a>(&'a self, balls: &'a str) -> Vec<&'a str> {
+        ["gas", "--balls", balls].into_iter().chain(self.with.iter().map(String::as_str)).collect()
+    }
+}
+
+/// Where the rough clients are.
+#[derive(Clone, Copy)]
+enum Place {
+    Nowhere,
+    Away,
+    Here,
+}
+
+const PLACES: [(Place, &str); 3] = [(Place::Nowhere, "none"), (Place::Away, "away"), (Place::Here, "here")];
 
 /// What a healthy client saw.
 struct Seen {
@@ -43,41 +95,88 @@ fn look(client: &Client, time: Duration) -> Seen {
     }
 }
 
-fn main() {
-    let seconds = std::env::args().find_map(|argument| argument.parse().ok()).unwrap_or(10);
-    let time = Duration::from_secs(seconds);
-    println!(
-        "{:>6} {:>8} {:>6} {:>5} {:>6} {:>11} {:>11}",
-        "balls", "crowd", "ticks", "late", "heard", "age p50/ms", "age p99/ms"
-    );
-    for balls in ["100", "10000"] {
-        let server = Server::start(&["gas", "--balls", balls]);
-        let client = server.client();
-        let mut p99 = [Vec::new(), Vec::new()];
-        for round in 0..6 {
-            let is_rough = round % 2 == 1;
-            let crowd = is_rough.then(|| Crowd::at(server.endpoint()));
-            let seen = std::thread::scope(|scope| {
-                if let Some(mut crowd) = crowd {
-                    scope.spawn(move || crowd.rage_for(time));
-                }
-                look(&client, time)
-            });
-            println!(
-                "{balls:>6} {:>8} {:>6} {:>5} {:>6} {:>11.2} {:>11.2}",
-                if is_rough { "ten" } else { "none" },
-                seen.ticks,
-                seen.late,
-                seen.heard,
-                seen.age_ms(0.5),
-                seen.age_ms(0.99)
-            );
-            p99[usize::from(is_rough)].push(seen.age_ms(0.99));
+/// A window with the rough clients somewhere.
+fn look_beside(place: Place, server: &Server, client: &Client, balls: &str, arguments: &Arguments) -> Seen {
+    let time = Duration::from_secs(arguments.seconds);
+    let other = matches!(place, Place::Away).then(|| {
+        let serve = ["serve", "-l", "tcp/127.0.0.1:0"];
+        Server::of(Process::start_aside("ballroom", &[&serve[..], &arguments.words(balls)].concat()))
+    });
+    let at = match place {
+        Place::Nowhere => None,
+        Place::Away => other.as_ref(),
+        Place::Here => Some(server),
+    };
+    let kinds = if arguments.kinds.is_empty() { &Kind::ALL[..] } else { &arguments.kinds };
+    let crowd = at.map(|server| Crowd::of(kinds, server.endpoint()));
+    std::thread::scope(|scope| {
+        if let Some(mut crowd) = crowd {
+            scope.spawn(move || crowd.rage_for(time));
         }
-        let [quiet, rough] = p99.map(|mut ages| {
-            ages.sort_by(f64::total_cmp);
-            ages[ages.len() / 2]
-        });
-        println!("{balls:>6} balls: median age p99 {:.2} times that without them", rough / quiet);
+        look(client, time)
+    })
+}
+
+/// Windows of one sort, one after another.
+#[derive(Default)]
+struct Windows {
+    late: Vec<f64>,
+    missed: Vec<f64>,
+    p50_ms: Vec<f64>,
+    p99_ms: Vec<f64>,
+}
+
+impl Windows {
+    fn add(&mut self, seen: &Seen) {
+        let ticks = seen.ticks as f64;
+        self.late.push(1e3 * seen.late as f64 / ticks);
+        self.missed.push(1e3 * (ticks - seen.heard as f64).max(0.0) / ticks);
+        self.p50_ms.push(seen.age_ms(0.5));
+        self.p99_ms.push(seen.age_ms(0.99));
+    }
+}
+
+/// The median of the windows, and the smallest and the largest.
+fn spread(values: &[f64]) -> (f64, String) {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    let [least, median, most] = [0, values.len() / 2, values.len() - 1].map(|at| values[at]);
+    (median, format!("{median:.2} ({least:.2} to {most:.2})"))
+}
+
+fn measure(balls: u32, arguments: &Arguments) {
+    let balls = balls.to_string();
+    let server = Server::start(&arguments.words(&balls));
+    let client = server.client();
+    let mut windows = PLACES.map(|_| Windows::default());
+    for _ in 0..arguments.rounds {
+        for (windows, (place, _)) in windows.iter_mut().zip(PLACES) {
+            windows.add(&look_beside(place, &server, &client, &balls, arguments));
+        }
+    }
+    let mut medians = [0.0; PLACES.len()];
+    for ((windows, (_, name)), median) in windows.iter().zip(PLACES).zip(&mut medians) {
+        let [late, missed, p50, p99] =
+            [&windows.late, &windows.missed, &windows.p50_ms, &windows.p99_ms].map(|values| spread(values));
+        *median = p99.0;
+        println!("{balls:>6} {name:>6} {:>20} {:>20} {:>20} {:>22}", late.1, missed.1, p50.1, p99.1);
+    }
+    let [none, away, here] = medians;
+    println!(
+        "{balls:>6} balls: age p99 here {:.2} times that away, {:.2} times none",
+        here / away,
+        here / none
+    );
+}
+
+fn main() {
+    let arguments = Arguments::parse();
+    println!("median (smallest to largest) of {} windows of {} s", arguments.rounds, arguments.seconds);
+    println!(
+        "{:>6} {:>6} {:>20} {:>20} {:>20} {:>22}",
+        "balls", "crowd", "late / 1000 ticks", "missed / 1000", "age p50/ms", "age p99/ms"
+    );
+    for &balls in &arguments.balls {
+        measure(balls, &arguments);
     }
 }

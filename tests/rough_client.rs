@@ -1,11 +1,15 @@
-//! A client that nobody would want: `rough-client ENDPOINT presses|nonsense|questions|bytes`, until it is killed.
+//! A client that nobody would want: `rough-client ENDPOINT presses|nonsense|questions|bytes|slow|reads`, until it is killed.
 //!
-//! | kind | what it does, as fast as it can with a breath of a millisecond |
+//! | kind | what it does, the first four as fast as they can with a breath of a millisecond |
 //! |---|---|
 //! | `presses` | twenty presses at once, for a ball there is not |
 //! | `nonsense` | random bytes as commands, put and asked |
 //! | `questions` | asks for the whole world and never reads an answer |
 //! | `bytes` | connects without Zenoh and sends random bytes |
+//! | `slow` | takes a tenth of a second for a state, and what comes meanwhile stays in the link |
+//! | `reads` | asks for the world and reads its states, as viewers do: what is rough is what is done to it |
+//!
+//! It says `here` once it does so.
 
 use ballroom_client::Client;
 use std::io::Write;
@@ -16,6 +20,8 @@ use zenoh::Wait;
 use zenoh::qos::CongestionControl;
 
 const BREATH: Duration = Duration::from_millis(1);
+/// What a slow one takes for a state.
+const SLOWNESS: Duration = Duration::from_millis(100);
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -25,7 +31,11 @@ fn main() {
         return send_bytes(endpoint.trim_start_matches("tcp/"), &mut noise);
     }
     let client = connect(endpoint);
-    println!("here");
+    match kind.as_str() {
+        "reads" => return read(&client),
+        "slow" => return read_slowly(&client),
+        _ => println!("here"),
+    }
     loop {
         match kind.as_str() {
             "presses" => (0..20).for_each(|_| put(&client, br#"{"key":"up","ball":"nobody"}"#)),
@@ -45,6 +55,24 @@ fn put(client: &Client, payload: &[u8]) {
     let key = client.keys().cmd(&"rough".parse().expect("a name"));
     // A link that is full or gone is what this is about.
     drop(client.session().put(key, payload).congestion_control(CongestionControl::Drop).wait());
+}
+
+fn read(client: &Client) {
+    for (number, _) in client.follow().expect("a server").enumerate() {
+        if number == 0 {
+            println!("here");
+        }
+    }
+}
+
+fn read_slowly(client: &Client) {
+    let states = client.session().declare_subscriber(client.keys().state());
+    // On the thread that reads the link.
+    let _states = states.callback(|_| std::thread::sleep(SLOWNESS)).wait().expect("a session");
+    println!("here");
+    loop {
+        std::thread::park();
+    }
 }
 
 fn send_bytes(address: &str, noise: &mut Noise) {

@@ -142,7 +142,8 @@ impl Keys {
         Self { prefix: format!("ballroom/v1/{arena}") }
     }
 
-    /// States, one a tick.
+    /// States, one a tick. One that no other follows is said once more a tenth of a second later, under the same stamp, for
+    /// links that were busy.
     pub fn state(&self) -> String {
         self.under("state")
     }

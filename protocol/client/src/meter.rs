@@ -20,8 +20,8 @@ pub struct Meter(Arc<Mutex<Counts>>);
 
 #[derive(Default)]
 struct Counts {
-    /// Number of the last message.
-    sequence: Option<u64>,
+    /// Of the last message.
+    stamp: Option<Stamp>,
     received: u64,
     lost: u64,
     overtaken: u64,
@@ -37,9 +37,12 @@ impl Meter {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A message arrived where `depth` have room to wait.
-    fn arrived(&self, stamp: Option<Stamp>, bytes: usize, depth: usize, wall_ns: u64) {
+    /// A message arrived where `depth` have room to wait; false when it is the last one once more, which is passed over.
+    fn arrived(&self, stamp: Option<Stamp>, bytes: usize, depth: usize, wall_ns: u64) -> bool {
         let mut counts = self.lock();
+        if stamp.is_some() && stamp == counts.stamp {
+            return false;
+        }
         counts.received += 1;
         counts.bytes += bytes as u64;
         if counts.waiting < depth {
@@ -47,16 +50,15 @@ impl Meter {
         } else {
             counts.overtaken += 1;
         }
-        let Some(stamp) = stamp else { return };
+        let Some(stamp) = stamp else { return true };
         // A number that is not larger is that of a server begun anew.
-        if let Some(before) =
-            counts.sequence.replace(stamp.sequence).filter(|before| *before < stamp.sequence)
-        {
-            counts.lost += stamp.sequence - before - 1;
+        if let Some(before) = counts.stamp.replace(stamp).filter(|before| before.sequence < stamp.sequence) {
+            counts.lost += stamp.sequence - before.sequence - 1;
         }
         if counts.ages_ms.len() < SAMPLES {
             counts.ages_ms.push((wall_ns as f64 - stamp.wall_ns as f64) / 1e6);
         }
+        true
     }
 
     /// A message was read.
@@ -104,8 +106,9 @@ impl IntoHandler<Sample> for Metered {
         let callback = move |sample: Sample| {
             let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
             let stamp = sample.attachment().and_then(|bytes| Stamp::from_bytes(&bytes.to_bytes()));
-            meter.arrived(stamp, sample.payload().len(), depth, now.as_nanos() as u64);
-            ring.call(sample);
+            if meter.arrived(stamp, sample.payload().len(), depth, now.as_nanos() as u64) {
+                ring.call(sample);
+            }
         };
         (Callback::from(callback), handler)
     }
@@ -168,6 +171,15 @@ mod tests {
         let report = meter.report(Duration::from_secs(1));
         assert_eq!((report.received, report.lost, report.overtaken), (7, Some(3), 0));
         assert_eq!((report.states_per_s, report.bytes_per_s), (7.0, 70.0));
+    }
+
+    #[test]
+    fn a_message_said_once_more_counts_once() {
+        let meter = Meter::default();
+        let came = [1, 1, 2, 2, 4].map(|sequence| meter.arrived(Some(stamp(sequence, 0)), 1, 8, 0));
+        assert_eq!(came, [true, false, true, false, true]);
+        let report = meter.report(Duration::from_secs(1));
+        assert_eq!((report.received, report.lost), (3, Some(1)));
     }
 
     #[test]

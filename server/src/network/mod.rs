@@ -108,7 +108,7 @@ pub(crate) struct Latest {
 impl Latest {
     /// Whether an answer that takes so many bytes a ball may be given now. Refusing is cheap, such an answer is not.
     fn allows(&self, bytes_a_ball: f64) -> Result<(), Refusal> {
-        let bytes = bytes_a_ball * self.present().state.center_m.len() as f64;
+        let bytes = bytes_a_ball * self.stage().roster.names.len() as f64;
         let mut whole = self.whole.lock().unwrap_or_else(PoisonError::into_inner);
         if whole.draw(bytes, Instant::now()) {
             return Ok(());
@@ -120,23 +120,19 @@ impl Latest {
     }
 
     fn world(&self) -> World {
-        let present = self.present();
-        let (stage, snapshot) = (present.stage.clone(), present.state.clone());
-        drop(present);
+        let (stage, kept) = self.now();
         World {
             scene: (*stage.scene).clone(),
             roster: (*stage.roster).clone(),
             tick_rate_hz: self.info.tick_rate_hz,
-            snapshot,
+            snapshot: kept.state.clone(),
         }
     }
 
     /// The same as its frame, of which only the state is encoded afresh.
     fn world_frame(&self) -> Vec<u8> {
-        let present = self.present();
-        let (stage, snapshot) = (present.stage.clone(), present.state.clone());
-        drop(present);
-        self.head_of(&stage).with(&snapshot)
+        let (stage, kept) = self.now();
+        self.head_of(&stage).with(&kept.state)
     }
 
     fn head_of(&self, stage: &Stage) -> Arc<WorldHead> {
@@ -154,9 +150,8 @@ impl Latest {
 
     /// What the clock does.
     pub(crate) fn state(&self) -> State {
-        let present = self.present();
-        let (epoch, tick, time_s) = (present.state.epoch, present.state.tick, present.state.time_s);
-        drop(present);
+        let (_, kept) = self.now();
+        let Snapshot { epoch, tick, time_s, .. } = kept.state;
         let state = self.handover.run_state();
         State { state, number: state.number(), epoch, tick, time_s }
     }
@@ -187,6 +182,12 @@ impl Latest {
         Parameters { epoch, parameters: crate::parameters::list(&scene, self.info.tick_rate_hz) }
     }
 
+    /// The newest state and what it belongs to. The publisher never waits for whoever reads them.
+    fn now(&self) -> (Stage, Arc<Kept>) {
+        let present = self.present();
+        (present.stage.clone(), present.state.clone())
+    }
+
     fn present(&self) -> MutexGuard<'_, Present> {
         self.present.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -199,20 +200,40 @@ impl Latest {
         *self.stats.lock().unwrap_or_else(PoisonError::into_inner) = stats;
     }
 
-    /// Keeps `state`, and what it belongs to if that is new; gives back the one kept before.
-    fn replace(&self, stage: Option<Stage>, state: Snapshot) -> Snapshot {
+    /// Keeps `state`, and what it belongs to if that is new.
+    fn replace(&self, stage: Option<Stage>, state: Snapshot) {
+        let kept = Kept::new(state, &self.handover);
         let mut present = self.present();
         if let Some(stage) = stage {
             present.stage = stage;
         }
-        std::mem::replace(&mut present.state, state)
+        let before = std::mem::replace(&mut present.state, kept);
+        drop((present, before));
     }
 }
 
 /// A state and what it belongs to.
 struct Present {
     stage: Stage,
+    state: Arc<Kept>,
+}
+
+/// A state that several may read at once; its buffer goes round again when the last of them has.
+struct Kept {
     state: Snapshot,
+    handover: Arc<Handover>,
+}
+
+impl Kept {
+    fn new(state: Snapshot, handover: &Arc<Handover>) -> Arc<Self> {
+        Arc::new(Self { state, handover: handover.clone() })
+    }
+}
+
+impl Drop for Kept {
+    fn drop(&mut self) {
+        self.handover.recycle(std::mem::take(&mut self.state));
+    }
 }
 
 /// Everything of an arena declared; [`Network::run`] is the publisher's thread.
@@ -241,7 +262,7 @@ impl Network {
         simulation.write_stats(&mut stats);
         let latest = Arc::new(Latest {
             info: Info::new(options.arena.as_str(), options.tick_rate_hz),
-            present: Mutex::new(Present { stage: simulation.stage(), state: first }),
+            present: Mutex::new(Present { stage: simulation.stage(), state: Kept::new(first, &handover) }),
             stats: Mutex::new(stats),
             handover: handover.clone(),
             recorded: options.record.is_some(),

@@ -34,8 +34,19 @@ impl Outlet {
 
     /// Publishes what was so at a wall time.
     pub fn put_as_of(&self, wall_ns: u64, bytes: Vec<u8>) {
+        self.send(Stamp { sequence: self.sequence.fetch_add(1, Ordering::Relaxed), wall_ns }, bytes);
+    }
+
+    /// Publishes the last message once more, under its number.
+    pub fn repeat_as_of(&self, wall_ns: u64, bytes: Vec<u8>) {
+        self.send(
+            Stamp { sequence: self.sequence.load(Ordering::Relaxed).saturating_sub(1), wall_ns },
+            bytes,
+        );
+    }
+
+    fn send(&self, stamp: Stamp, bytes: Vec<u8>) {
         self.bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
-        let stamp = Stamp { sequence: self.sequence.fetch_add(1, Ordering::Relaxed), wall_ns };
         if let Err(e) = self.publisher.put(bytes).attachment(stamp.to_bytes()).wait() {
             tracing::debug!("{} could not be published: {e}", self.publisher.key_expr());
         }

@@ -8,6 +8,7 @@ use crate::simulation::{NumberedHit, Stage};
 use protocol::codec;
 use protocol::event::Events;
 use protocol::keys::Keys;
+use protocol::snapshot::Snapshot;
 use protocol::stats::Streams;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -17,6 +18,8 @@ use zenoh::{Session, Wait};
 
 /// Longest wait for something to publish.
 const IDLE: Duration = Duration::from_millis(500);
+/// Silence after which the last state is said once more: a link that was busy may have missed it.
+const SILENCE: Duration = Duration::from_millis(100);
 
 /// The outgoing side of an arena.
 pub struct Publisher {
@@ -31,6 +34,10 @@ pub struct Publisher {
     /// Stages whose first state is still to come.
     stages: Vec<Stage>,
     epoch: Option<u64>,
+    /// Whether the last state went out once only.
+    said_once: bool,
+    /// When the last state went out.
+    put_at: Instant,
     published: u64,
     /// When the figures of the streams begin.
     counted_from: Instant,
@@ -47,23 +54,32 @@ impl Publisher {
         handover: Arc<Handover>,
         players: Arc<Players>,
     ) -> Result<Self, NetworkError> {
-        // Dropping keeps one slow reader from holding up the others; a state is soon followed by a newer one. Not
-        // express: that would give up batching.
-        let declare = |key: String, priority, encoding: Encoding| {
+        // Not express: that would give up batching.
+        let declare = |key: String, priority, congestion, encoding: Encoding| {
             let publisher = session.declare_publisher(key).priority(priority).encoding(encoding);
-            publisher.congestion_control(CongestionControl::Drop).wait().map(Outlet::new)
+            publisher.congestion_control(congestion).wait().map(Outlet::new)
         };
+        let json = || Encoding::APPLICATION_JSON;
         Ok(Self {
-            state: declare(keys.state(), Priority::DataHigh, Encoding::APPLICATION_CBOR)?,
-            event: declare(keys.event(), Priority::Data, Encoding::APPLICATION_JSON)?,
-            stats: declare(keys.stats(), Priority::DataLow, Encoding::APPLICATION_JSON)?,
-            scene: declare(keys.meta_scene(), Priority::DataLow, Encoding::APPLICATION_JSON)?,
+            // Each link takes one state at a time, whole, on a thread of its own; a link that is not done with it misses the
+            // next. With `Drop` every link that is full holds up this thread, and gets the beginnings of states.
+            state: declare(
+                keys.state(),
+                Priority::DataHigh,
+                CongestionControl::BlockFirst,
+                Encoding::APPLICATION_CBOR,
+            )?,
+            event: declare(keys.event(), Priority::Data, CongestionControl::Drop, json())?,
+            stats: declare(keys.stats(), Priority::DataLow, CongestionControl::Drop, json())?,
+            scene: declare(keys.meta_scene(), Priority::DataLow, CongestionControl::Drop, json())?,
             latest,
             handover,
             players,
             batch: Batch::default(),
             stages: Vec::new(),
             epoch: None,
+            said_once: false,
+            put_at: Instant::now(),
             published: 0,
             counted_from: Instant::now(),
             frame_bytes: 0,
@@ -73,7 +89,7 @@ impl Publisher {
     /// Publishes until the tick loop has ended.
     pub fn run(&mut self) {
         while !self.batch.ended {
-            self.handover.take(&mut self.batch, IDLE);
+            self.handover.take(&mut self.batch, if self.said_once { SILENCE } else { IDLE });
             self.batch.ended_worlds.clear();
             self.stages.append(&mut self.batch.stages);
             self.publish_state();
@@ -87,24 +103,38 @@ impl Publisher {
     }
 
     fn publish_state(&mut self) {
-        let Some(state) = self.batch.state.take() else { return };
-        let frame = self.state.is_wanted().then(|| {
-            let mut frame = Vec::with_capacity(self.frame_bytes);
-            codec::encode_state(&state, &mut frame);
-            self.frame_bytes = frame.len();
-            frame
-        });
+        let Some(state) = self.batch.state.take() else { return self.repeat_state() };
+        let frame = self.state.is_wanted().then(|| self.frame_of(&state));
         let is_new_epoch = self.epoch.replace(state.epoch) != Some(state.epoch);
         let stage = self.begin_stages(state.epoch);
         let wall_ns = state.wall_ns;
         // Before anybody hears of it: who sees a new epoch asks for its world.
-        self.handover.recycle(self.latest.replace(stage, state));
+        self.latest.replace(stage, state);
+        self.said_once = frame.is_some();
         if let Some(frame) = frame {
             self.state.put_as_of(wall_ns, frame);
             self.published += 1;
+            self.put_at = Instant::now();
         }
         if is_new_epoch && self.scene.is_wanted() {
             self.scene.put(codec::encode_json(&*self.latest.stage().scene));
+        }
+    }
+
+    fn frame_of(&mut self, state: &Snapshot) -> Vec<u8> {
+        let mut frame = Vec::with_capacity(self.frame_bytes);
+        codec::encode_state(state, &mut frame);
+        self.frame_bytes = frame.len();
+        frame
+    }
+
+    /// Says the last state once more when no other has followed it. Readers who have it know it by its stamp.
+    fn repeat_state(&mut self) {
+        if self.said_once && self.put_at.elapsed() >= SILENCE {
+            self.said_once = false;
+            let (_, kept) = self.latest.now();
+            let frame = self.frame_of(&kept.state);
+            self.state.repeat_as_of(kept.state.wall_ns, frame);
         }
     }
 

@@ -14,7 +14,7 @@ const MORE_PORTS: u16 = 20;
 pub const MAX_SESSIONS: usize = 128;
 
 /// Settings of a server without a configuration file, each with its reason.
-const SETTINGS: [(&str, &str); 11] = [
+const SETTINGS: [(&str, &str); 13] = [
     // Clients need no other process.
     ("mode", "\"router\""),
     // Nobody is found by shouting: endpoints are named.
@@ -25,10 +25,12 @@ const SETTINGS: [(&str, &str); 11] = [
     ("connect/retry", "{ period_init_ms: 100, period_max_ms: 500, period_increase_factor: 1.5 }"),
     ("connect/timeout_ms", "0"),
     ("connect/exit_on_failure", "false"),
-    // A state of several batches must fit at once, or it is dropped half-way and the publisher waits.
+    // The most there is: a large state, or hits, need not wait for their own beginning to be sent.
     ("transport/link/tx/queue/size/data_high", "16"),
-    // Microseconds. With the default of 1000 a loaded machine loses states to nobody's fault.
-    ("transport/link/tx/queue/congestion_control/drop/wait_before_drop", "10000"),
+    ("transport/link/tx/queue/size/data", "16"),
+    // Microseconds. The publisher may wait as long as this for every link that is full, one after another.
+    ("transport/link/tx/queue/congestion_control/drop/wait_before_drop", "100"),
+    ("transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments", "0"),
     // Nothing a client has to say to a server is longer.
     ("transport/link/rx/max_message_size", "1048576"),
     ("timestamping/enabled", "false"),

@@ -138,7 +138,7 @@ class Meter:
         self._session = session
         self._key = key
         self._since = time.monotonic()
-        self._sequence: int | None = None
+        self._stamp: bytes | None = None
         self._received = 0
         self._missed = 0
         self._bytes = 0
@@ -146,16 +146,18 @@ class Meter:
 
     def read(self, sample: zenoh.Sample, length: int) -> None:
         """Takes in a state that was read."""
+        stamp = b"" if sample.attachment is None else sample.attachment.to_bytes()
+        if stamp and stamp == self._stamp:
+            return  # the last one once more
         self._received += 1
         self._bytes += length
-        stamp = b"" if sample.attachment is None else sample.attachment.to_bytes()
         if len(stamp) != _STAMP.size:
             return
         sequence, wall_ns = _STAMP.unpack(stamp)
         # A number that is not larger is that of a server begun anew.
-        if self._sequence is not None and sequence > self._sequence:
-            self._missed += sequence - self._sequence - 1
-        self._sequence = sequence
+        if self._stamp is not None and (before := _STAMP.unpack(self._stamp)[0]) < sequence:
+            self._missed += sequence - before - 1
+        self._stamp = stamp
         self._ages_ms.append((time.time_ns() - wall_ns) / 1e6)
 
     def report(self) -> None:
