@@ -90,7 +90,7 @@ fn with_hits_walls_and_hills_the_error_asked_for_is_kept_by_the_largest_toleranc
             let share = error(&loaded, Accuracy::Tolerance(found)) / error_m;
             assert!(share <= 1.0, "{name}, {error_m:e} m: {share}");
             // Steps are halved or not, all at once where a ball rides evenly, and some hits go one way or the other.
-            let next = (share < 0.01 && found < 1e-2).then(|| Accuracy::Tolerance(NEXT * found));
+            let next = (share < 0.01 && found < 1e-2).then_some(Accuracy::Tolerance(NEXT * found));
             assert!(
                 next.is_none_or(|next| error(&loaded, next) > 0.8 * error_m),
                 "{name}, {error_m:e} m: {found}"

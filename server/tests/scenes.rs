@@ -1,7 +1,7 @@
 //! What the descriptions of the built-in scenes promise.
 
 use ballroom_physics::surface::certify::certify;
-use ballroom_physics::{Accuracy, BallState, Controller, Hit, HitPartner, Scene, Time};
+use ballroom_physics::{BallState, Controller, Hit, HitPartner, Time};
 use nalgebra::Vector3;
 use server::SceneText;
 use server::scene_file::built_in_names;
