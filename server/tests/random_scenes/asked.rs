@@ -9,6 +9,8 @@ use server::{LoadedScene, SceneText};
 const RATE_HZ: u32 = 60;
 /// Scenes that are asked.
 const SCENES: u64 = 120;
+/// What they are asked for, m.
+const ERRORS_M: [f64; 6] = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
 /// Balls left in each: the hits of many multiply any error to nonsense within 10 s.
 const BALLS: usize = 2;
 /// What is true: steps far more exact than any error asked for, and of another sequence than any tolerance gives.
@@ -20,7 +22,7 @@ fn an_error_asked_for_is_kept_at_every_tick_of_random_scenes() {
     for seed in 0..SCENES {
         let mut scene = case(seed).scene;
         scene.balls.truncate(BALLS);
-        let error_m = 0.1_f64.powi(4 + Random::new(seed).below(6) as i32);
+        let error_m = ERRORS_M[Random::new(seed).below(ERRORS_M.len())];
         scene.accuracy = Asks::Error { error_m };
         let text = toml::to_string(&scene).expect("a scene as text");
         match SceneText::new("random.toml", text).load() {
