@@ -1,9 +1,13 @@
 //! An error asked for is obtained, and not by a waste of steps: over all ticks of 10 s.
 
-use ballroom_physics::{Accuracy, Controller, Scene, Scheme, Time};
+#[path = "common/truth.rs"]
+mod truth;
+
+use ballroom_physics::{Accuracy, Controller, Scene, Time};
 use protocol::scene::Accuracy as Asks;
+use server::SceneText;
 use server::scene_file::built_in_names;
-use server::{LoadedScene, SceneText};
+use truth::error;
 
 const RATE_HZ: u32 = 60;
 
@@ -47,25 +51,6 @@ fn in_scenes_from_files_the_error_asked_for_is_obtained_and_not_a_hundredfold_le
     }
 }
 
-/// What is true beside a rehearsed scene: steps of fixed length, far more exact than any error asked for here and of another
-/// sequence than any tolerance gives.
-const TRUE: Accuracy = Accuracy::Fixed(Scheme::Dop853, 1.0 / 300.0);
-
-/// Largest distance of a ball of a whole scene from where it truly is, over all ticks of 10 s.
-fn error(loaded: &LoadedScene, accuracy: Accuracy) -> f64 {
-    let run = |accuracy| Controller::new(&Scene { accuracy, ..loaded.physics().clone() }).unwrap();
-    let (mut coarse, mut fine) = (run(accuracy), run(TRUE));
-    let mut largest = 0.0_f64;
-    for tick in 1..=u64::from(10 * RATE_HZ) {
-        for run in [&mut coarse, &mut fine] {
-            run.advance_to(Time::of_tick(tick, RATE_HZ));
-        }
-        let apart = coarse.balls().zip(fine.balls()).map(|(a, b)| (a.center - b.center).norm());
-        largest = apart.fold(largest, f64::max);
-    }
-    largest
-}
-
 /// What is tried after a tolerance: a quarter of a decade more.
 const NEXT: f64 = 1.8;
 
@@ -87,12 +72,12 @@ fn with_hits_walls_and_hills_the_error_asked_for_is_kept_by_the_largest_toleranc
                 }
             };
             let found = loaded.rehearsed().unwrap().tolerance_m;
-            let share = error(&loaded, Accuracy::Tolerance(found)) / error_m;
+            let share = error(loaded.physics(), Accuracy::Tolerance(found)).0 / error_m;
             assert!(share <= 1.0, "{name}, {error_m:e} m: {share}");
             // Steps are halved or not, all at once where a ball rides evenly, and some hits go one way or the other.
             let next = (share < 0.01 && found < 1e-2).then_some(Accuracy::Tolerance(NEXT * found));
             assert!(
-                next.is_none_or(|next| error(&loaded, next) > 0.8 * error_m),
+                next.is_none_or(|next| error(loaded.physics(), next).0 > 0.8 * error_m),
                 "{name}, {error_m:e} m: {found}"
             );
             kept += 1;

@@ -2,19 +2,16 @@
 
 use crate::generate::case;
 use crate::random::Random;
-use ballroom_physics::{Accuracy, Controller, Scene, Scheme, Time};
-use protocol::scene::Accuracy as Asks;
-use server::{LoadedScene, SceneText};
+use crate::truth::error;
+use protocol::scene::Accuracy;
+use server::SceneText;
 
-const RATE_HZ: u32 = 60;
 /// Scenes that are asked.
 const SCENES: u64 = 120;
 /// What they are asked for, m.
 const ERRORS_M: [f64; 6] = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
 /// Balls left in each: the hits of many multiply any error to nonsense within 10 s.
 const BALLS: usize = 2;
-/// What is true: steps far more exact than any error asked for, and of another sequence than any tolerance gives.
-const TRUE: Accuracy = Accuracy::Fixed(Scheme::Dop853, 1.0 / 300.0);
 
 #[test]
 fn an_error_asked_for_is_kept_at_every_tick_of_random_scenes() {
@@ -23,11 +20,11 @@ fn an_error_asked_for_is_kept_at_every_tick_of_random_scenes() {
         let mut scene = case(seed).scene;
         scene.balls.truncate(BALLS);
         let error_m = ERRORS_M[Random::new(seed).below(ERRORS_M.len())];
-        scene.accuracy = Asks::Error { error_m };
+        scene.accuracy = Accuracy::Error { error_m };
         let text = toml::to_string(&scene).expect("a scene as text");
         match SceneText::new("random.toml", text).load() {
             Ok(loaded) => {
-                let (error, met) = error(&loaded);
+                let (error, met) = error(loaded.physics(), loaded.physics().accuracy);
                 let share = error / error_m;
                 assert!(share <= 1.0, "seed {seed}: {share} of {error_m:e} m; {:?}", loaded.rehearsed());
                 kept += 1;
@@ -41,21 +38,4 @@ fn an_error_asked_for_is_kept_at_every_tick_of_random_scenes() {
         "{kept} random scenes kept the error asked for through {hits} hits; {refused} cannot be asked"
     ));
     assert!(kept > 60 && used > 20 && hits > 10 * kept as u64, "{kept} kept, {used} used, {hits} hits");
-}
-
-/// Largest distance of a ball from where it truly is, over all ticks of 10 s, and how many hits there were.
-fn error(loaded: &LoadedScene) -> (f64, u64) {
-    let run =
-        |accuracy| Controller::new(&Scene { accuracy, ..loaded.physics().clone() }).expect("a loaded scene");
-    let (mut coarse, mut fine) = (run(loaded.physics().accuracy), run(TRUE));
-    let mut largest = 0.0_f64;
-    for tick in 1..=u64::from(10 * RATE_HZ) {
-        for run in [&mut coarse, &mut fine] {
-            run.advance_to(Time::of_tick(tick, RATE_HZ));
-        }
-        let apart = coarse.balls().zip(fine.balls()).map(|(a, b)| (a.center - b.center).norm());
-        largest = apart.fold(largest, f64::max);
-    }
-    let met = coarse.report().collisions;
-    (largest, met.ball_ball + met.ball_wall)
 }

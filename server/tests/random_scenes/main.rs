@@ -15,6 +15,9 @@ mod scheme;
 mod script;
 mod written;
 
+#[path = "../common/truth.rs"]
+mod truth;
+
 use generate::{Case, case};
 use halted::Looks;
 use physical::Laws;

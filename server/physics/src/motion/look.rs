@@ -48,7 +48,7 @@ impl Look {
     }
 }
 
-/// State, centre and normal of one ball on a plane, where no arc is curved: see [`Arc::sample`].
+/// State, centre and normal of one ball on a plane, where no arc is curved: see `Arc::sample`.
 #[inline(always)]
 pub fn on_plane(chart: &FlatChart, Seat { body, arc, dt }: &Seat<'_>) -> (State, V3, V3) {
     let state = arc.follow(*dt);
