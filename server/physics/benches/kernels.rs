@@ -10,7 +10,8 @@ mod results;
 use ballroom_cases::scenes::walls;
 use ballroom_physics::motion::arc::Arc;
 use ballroom_physics::motion::body::{Body, Stepping};
-use ballroom_physics::motion::together::{self, Launch};
+use ballroom_physics::motion::follow::{self, Followed};
+use ballroom_physics::motion::together::{self, Landing, Launch, Seat};
 use ballroom_physics::surface::bezier::BezierPatch;
 use ballroom_physics::surface::chart::Surface;
 use ballroom_physics::tolerance::STEP_FIRST;
@@ -26,6 +27,10 @@ const SECONDS: u32 = 10;
 const RATE_HZ: u32 = 60;
 /// Evaluations of the right-hand side in a step that is kept, its first one and those of its dense output with it.
 const STAGES: u32 = 16;
+/// Those of a landing, the slope where it lands with them.
+const STAGES_OF_A_LANDING: u32 = 12;
+/// Balls that are turned at once.
+const GROUP: usize = 8;
 /// Free balls at once.
 const BALLS: usize = 1000;
 
@@ -36,6 +41,7 @@ fn main() -> std::io::Result<()> {
         alone(tolerance, &mut results);
         bound(tolerance, &mut results);
         free(tolerance, &mut results);
+        bound_in_lanes(tolerance, &mut results);
     }
     results.finish()
 }
@@ -94,6 +100,27 @@ fn bound(tolerance: f64, results: &mut Results) {
     });
     black_box(state);
     let what = format!("alone, {tolerance:.0e} m, bound: {evaluations} of {:.0} ns", 1e9 * each);
+    results.line(format_args!("{what:<44}{:>12.2}", evaluations as f64 * each * 1e6));
+}
+
+/// What one of many balls cannot go below: its evaluations in full lanes, as a landing makes them, and nothing kept of them.
+fn bound_in_lanes(tolerance: f64, results: &mut Results) {
+    let mut free = Free::new(tolerance);
+    let before: u64 = free.steppings.iter().map(|stepping| stepping.steps).sum();
+    free.advance(Time::of_seconds(f64::from(SECONDS)));
+    let steps = free.steppings.iter().map(|stepping| stepping.steps).sum::<u64>() - before;
+    let evaluations = steps * u64::from(STAGES) / u64::from(SECONDS) / BALLS as u64;
+    let width = together::width(&free.surface, free.accuracy);
+    let balls = free.bodies.iter().zip(&free.arcs).take(width);
+    let seats: Vec<_> = balls.map(|(body, arc)| Some(Seat { body, arc, dt: 0.5 * arc.length })).collect();
+    let mut landings = vec![Landing::NOWHERE; width];
+    let each = least(30, 1000, || {
+        let mut targets: Vec<_> = landings.iter_mut().map(Some).collect();
+        together::land(&free.surface, free.accuracy, &seats, &mut targets);
+    }) / (width as f64 * f64::from(STAGES_OF_A_LANDING));
+    black_box(&landings);
+    let what =
+        format!("one of {BALLS} free, {tolerance:.0e} m, bound: {evaluations} of {:.0} ns", 1e9 * each);
     results.line(format_args!("{what:<44}{:>12.2}", evaluations as f64 * each * 1e6));
 }
 
@@ -199,15 +226,22 @@ impl Free {
             let balls = bodies.iter().zip(steppings.iter_mut()).zip(arcs.iter_mut());
             let mut due: Vec<_> = balls
                 .filter(|(_, arc)| arc.finish() <= time)
-                .map(|((body, stepping), arc)| {
-                    let start = arc.orientation_at(arc.length);
-                    arc.turning.start = start;
-                    (arc.start, arc.state) = (arc.finish(), arc.end);
-                    Some(Launch { body, stepping, arc })
-                })
+                .map(|((body, stepping), arc)| Some(Launch { body, stepping, arc }))
                 .collect();
             if due.is_empty() {
                 return;
+            }
+            for group in due.chunks_mut(GROUP) {
+                let mut q = [[0.0; 4]; GROUP];
+                let mut courses = [None; GROUP];
+                for (course, Launch { arc, .. }) in courses.iter_mut().zip(group.iter().flatten()) {
+                    *course = Some((&arc.turning, arc.length / arc.scale));
+                }
+                let (courses, mut followed) = (&courses[..group.len()], [Followed::NONE; GROUP]);
+                follow::orientations(courses, &mut followed[..group.len()], &mut q[..group.len()]);
+                for (Launch { arc, .. }, q) in group.iter_mut().flatten().zip(q) {
+                    (arc.start, arc.state, arc.turning.start) = (arc.finish(), arc.end, q);
+                }
             }
             together::launch(surface, *accuracy, &mut due);
         }

@@ -115,7 +115,8 @@ impl Controller {
         let dt = time.since(arc.start);
         let pulled = arc.negative_reaction(dt);
         if self.balls[ball].body.rolls {
-            let foreseen = self.foreseen_orientation(ball, time);
+            let foreseen =
+                self.foreseen_orientation(ball, time).or_else(|| self.prepared_orientation(ball, time));
             self.arcs[ball].turning.start = foreseen.unwrap_or_else(|| self.arcs[ball].orientation_at(dt));
         }
         self.book(ball, work, pulled);

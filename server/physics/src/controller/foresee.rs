@@ -25,7 +25,7 @@ const KEPT: usize = 4 * LANES_MAX;
 
 /// What a ball's arc follows from, beside its body and the floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Origin {
+pub(super) struct Origin {
     start: Time,
     state: State,
     length: f64,
@@ -198,7 +198,7 @@ impl Controller {
         true
     }
 
-    fn origin(&self, ball: usize) -> Origin {
+    pub(super) fn origin(&self, ball: usize) -> Origin {
         let Arc { start, state, length, path, turning, .. } = &self.arcs[ball];
         let applied = self.balls[ball].body.applied;
         Origin {

@@ -6,9 +6,11 @@
 //! comes to that very end, and is forgotten if not.
 
 use super::Controller;
+use super::foresee::Origin;
 use crate::lanes::LANES_MAX;
 use crate::motion::arc::{Arc, Path};
 use crate::motion::body::{Body, Stepping};
+use crate::motion::follow::{Followed, orientations};
 use crate::motion::law::State;
 use crate::motion::together::{self, Launch};
 use crate::schedule::event::What;
@@ -32,6 +34,8 @@ pub(super) struct Prepared {
     applied: Vector3<f64>,
     stepping: Stepping,
     arc: Arc,
+    /// What the arc before it follows from, and the orientation at that one's end.
+    turned: Option<(Origin, [f64; 4])>,
 }
 
 impl Prepared {
@@ -42,6 +46,7 @@ impl Prepared {
         applied: Vector3::new(0.0, 0.0, 0.0),
         stepping: Stepping { try_s: 0.0, steps: 0, forced: 0 },
         arc: Arc::empty(0.0),
+        turned: None,
     };
 }
 
@@ -160,6 +165,8 @@ impl Controller {
             self.launch(ball, time, state);
         } else {
             self.compute(group.iter_mut());
+            // The first has left its arc already.
+            self.turn_to_ends(&mut group[1..]);
             self.put_on(&group[0]);
             for next in group.drain(1..) {
                 *self.work.ahead.slot(next.ball) = Some(next);
@@ -190,6 +197,31 @@ impl Controller {
             Some(Launch { body: &self.balls[*ball].body, stepping, arc })
         });
         together::launch(&self.surface, self.accuracy, &mut wanted);
+    }
+
+    /// Finds the orientations of rolling balls at the ends of their present arcs.
+    fn turn_to_ends(&self, group: &mut [Prepared]) {
+        let mut courses = [None; LANES_MAX];
+        for (course, next) in courses.iter_mut().zip(&*group) {
+            let Arc { start, scale, turning, .. } = &self.arcs[next.ball];
+            *course = Some((turning, next.arc.start.since(*start) / scale));
+        }
+        if !self.balls[group[0].ball].body.rolls {
+            return;
+        }
+        let (count, mut q) = (group.len(), [[0.0; 4]; LANES_MAX]);
+        orientations(&courses[..count], &mut [Followed::NONE; LANES_MAX][..count], &mut q[..count]);
+        for (next, q) in group.iter_mut().zip(q) {
+            next.turned = Some((self.origin(next.ball), q));
+        }
+    }
+
+    /// The orientation prepared for a ball at the end of its present arc.
+    pub(super) fn prepared_orientation(&self, ball: usize, time: Time) -> Option<[f64; 4]> {
+        let slots = &self.work.ahead.slots;
+        let next = slots.get(ball.checked_rem(slots.len())?)?.as_ref()?;
+        let (of, q) = next.turned.filter(|_| next.ball == ball && next.arc.start == time)?;
+        (of == self.origin(ball)).then_some(q)
     }
 
     /// Puts a ball on a prepared arc, with its own orientation.
