@@ -236,32 +236,40 @@ impl Arc {
         below as f64 / f64::from(cells) * end * self.scale
     }
 
-    /// Takes over an integration step of `h` seconds.
-    pub(super) fn fill<const D: usize>(
+    /// Takes over an integration step of `h` seconds, of which `pick` takes this ball's numbers.
+    #[inline(always)]
+    pub(super) fn fill<T: Copy, const D: usize>(
         &mut self,
         h: f64,
-        slope: &[f64; D],
-        step: &Step<f64, D>,
-        sizes: &StepSizes<f64>,
+        slope: &[T; D],
+        step: &Step<T, D>,
+        sizes: &StepSizes<T>,
         accuracy: Accuracy,
+        pick: impl Fn(T) -> f64,
     ) {
         self.path = Path::Curved;
         self.set_length(h);
         self.scale = h;
-        self.slope = widen(slope);
-        self.end = widen(&step.end);
-        for (row, from) in self.dense.iter_mut().zip(&step.dense) {
-            *row = widen(from);
+        let state = |of: &[T; D]| {
+            let mut out = [0.0; ROLLING];
+            for i in 0..D {
+                out[i] = pick(of[i]);
+            }
+            out
+        };
+        self.slope = state(slope);
+        self.end = state(&step.end);
+        for power in 0..TERMS {
+            self.dense[power] = state(&step.dense[power]);
+            self.center[power] = V3::from(step.center[power].0.map(&pick));
         }
-        self.center = step.center.map(V3::from);
+        let turn = step.turn.map(|term| V3::from(term.0.map(&pick)));
+        let Sizes { length, across } = sizes.turn;
+        let turn_sizes = Sizes { length: length.map(&pick), across: across.map(&pick) };
         let left_out = tolerance::turn_left_out(accuracy, h, self.radius);
-        if D == ROLLING {
-            self.turning.begin_sized(step.turn.map(V3::from), &sizes.turn, left_out);
-        } else {
-            self.turning.rest(left_out);
-        }
-        self.reaction = step.reaction;
-        self.acceleration_bound = sizes.bending / (h * h);
+        self.turning.begin_sized(turn, &turn_sizes, left_out);
+        self.reaction = step.reaction.map(&pick);
+        self.acceleration_bound = pick(sizes.bending) / (h * h);
     }
 }
 

@@ -1,7 +1,7 @@
 //! A body: what moves a ball and does not change along an arc, and how it is launched, held and landed.
 
 use super::arc::{Arc, Path, StepSizes, narrow, widen};
-use super::dop853::{self, Attempt};
+use super::dop853::{self, Attempt, Inside};
 use super::law::{Law, ROLLING, SLIDING, Stand, State, angular_velocity, velocity};
 use super::low_order;
 use super::step::{Step, TERMS};
@@ -141,12 +141,12 @@ impl Body {
             if self.rolls {
                 let first = law.stand(state);
                 let (h, step) = step_by::<ROLLING, _>(&law, accuracy, state, &first, stepping);
-                arc.fill(h, &first.slope.rate, &step, &StepSizes::of(&step), accuracy);
+                arc.fill(h, &first.slope.rate, &step, &StepSizes::of(&step), accuracy, |x| x);
             } else {
                 let y = narrow::<SLIDING>(state);
                 let first = law.stand(&y);
                 let (h, step) = step_by::<SLIDING, _>(&law, accuracy, &y, &first, stepping);
-                arc.fill(h, &first.slope.rate, &step, &StepSizes::of(&step), accuracy);
+                arc.fill(h, &first.slope.rate, &step, &StepSizes::of(&step), accuracy, |x| x);
             }
         });
     }
@@ -192,24 +192,25 @@ impl Body {
 /// One copy for all who step one ball.
 #[inline(never)]
 fn attempt_alone<const D: usize, C: Chart>(
+    (attempt, inside): (&mut Attempt<f64, D>, &mut Inside<f64>),
     law: &Law<'_, C, f64>,
     y: &[f64; D],
     slope: &[f64; D],
     h: f64,
-) -> Attempt<f64, D> {
-    dop853::attempt::<true, _, D, C>(law, y, slope, h)
+) {
+    attempt.run(Some(inside), law, y, slope, h);
 }
 
 /// See [`attempt_alone`].
 #[inline(never)]
 fn finish_alone<const D: usize, C: Chart>(
+    (attempt, inside): (&mut Attempt<f64, D>, &mut Inside<f64>),
     law: &Law<'_, C, f64>,
     y: &[f64; D],
     first: &Stand<f64, D>,
     h: f64,
-    attempt: Attempt<f64, D>,
 ) -> Step<f64, D> {
-    dop853::finish(law, y, first, h, attempt)
+    attempt.finish(inside, law, y, first, h)
 }
 
 fn land_by<const D: usize, C: Chart>(
@@ -221,7 +222,9 @@ fn land_by<const D: usize, C: Chart>(
 ) -> ([f64; D], [f64; D]) {
     let end = match accuracy {
         Accuracy::Tolerance(_) | Accuracy::Fixed(Scheme::Dop853, _) => {
-            return attempt_alone(law, y, slope, dt).landed();
+            let (mut attempt, mut inside) = (Attempt::new(dt), Inside::new(dt));
+            attempt_alone((&mut attempt, &mut inside), law, y, slope, dt);
+            return attempt.landed();
         }
         Accuracy::Fixed(Scheme::Rk4, _) => low_order::rk4_land(law, y, slope, dt),
         Accuracy::Fixed(Scheme::Tsit5, _) => low_order::tsit5_land(law, y, slope, dt),
@@ -245,19 +248,21 @@ fn step_by<const D: usize, C: Chart>(
                 Scheme::Rk4 => low_order::rk4_step(law, y, first, h),
                 Scheme::Tsit5 => low_order::tsit5_step(law, y, first, h),
                 Scheme::Dop853 => {
-                    let attempt = attempt_alone(law, y, &first.slope.rate, h);
-                    finish_alone(law, y, first, h, attempt)
+                    let (mut attempt, mut inside) = (Attempt::new(h), Inside::new(h));
+                    attempt_alone((&mut attempt, &mut inside), law, y, &first.slope.rate, h);
+                    finish_alone((&mut attempt, &mut inside), law, y, first, h)
                 }
             };
             return (h, step);
         }
     };
+    let (mut attempt, mut inside) = (Attempt::new(0.0), Inside::new(0.0));
     loop {
         let h = stepping.try_s;
-        let attempt = attempt_alone(law, y, &first.slope.rate, h);
+        attempt_alone((&mut attempt, &mut inside), law, y, &first.slope.rate, h);
         let error = dop853::error_estimate(h, first.stretch, first.precession, attempt.errors());
         match stepping.judge(tolerance, error) {
-            Verdict::Kept => return (h, finish_alone(law, y, first, h, attempt)),
+            Verdict::Kept => return (h, finish_alone((&mut attempt, &mut inside), law, y, first, h)),
             Verdict::Refused => {}
             Verdict::GivenUp => return (h, not_finite()),
         }

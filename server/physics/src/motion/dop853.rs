@@ -36,24 +36,54 @@ const SOLUTION: [usize; 8] = [0, 5, 6, 7, 8, 9, 10, 11];
 /// The stages that the dense output takes.
 const INSIDE: [usize; 12] = [0, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
-/// A step of which the end is known and the inside is not yet.
+/// The first stage beside the very first that the inside of a step takes: what only that needs is left out before.
+const FIRST_INSIDE: usize = INSIDE[1];
+
+/// A step of which the end is known and the inside is not yet. It is large, and worked on where it lies.
 #[derive(Clone, Copy, Debug)]
 pub struct Attempt<T, const D: usize> {
     slope: [[T; D]; STAGES_DENSE],
-    velocity: [Triple<T>; STAGES_DENSE],
-    omega: [Triple<T>; STAGES_DENSE],
     /// The state at the end.
-    pub end: [T; D],
+    end: [T; D],
+}
+
+/// What the inside of a step takes beside the slopes: velocities of the centre, and angular velocities of a rolling ball.
+#[derive(Clone, Copy, Debug)]
+pub struct Inside<T> {
+    velocity: [[T; 3]; STAGES_DENSE],
+    omega: [[T; 3]; STAGES_DENSE],
+}
+
+impl<T: Number> Inside<T> {
+    /// Room for a step.
+    #[inline(always)]
+    pub fn new(like: T) -> Self {
+        let nothing = [[like.like(0.0); 3]; STAGES_DENSE];
+        Self { velocity: nothing, omega: nothing }
+    }
+
+    #[inline(always)]
+    fn enter<C, const D: usize>(
+        &mut self,
+        law: &Law<'_, C, T>,
+        stage: usize,
+        y: &[T; D],
+        slope: &Slope<T, D>,
+    ) {
+        let velocity = velocity_in(y);
+        self.velocity[stage] = velocity.0;
+        if D == ROLLING {
+            self.omega[stage] = rotation(slope.normal, velocity, y[5], law.inverse_radius).0;
+        }
+    }
 }
 
 impl<T: Number, const D: usize> Attempt<T, D> {
+    /// Room for a step.
     #[inline(always)]
-    fn enter<C>(&mut self, law: &Law<'_, C, T>, stage: usize, y: &[T; D], slope: &Slope<T, D>) {
-        self.slope[stage] = slope.rate;
-        self.velocity[stage] = velocity_in(y);
-        if D == ROLLING {
-            self.omega[stage] = rotation(slope.normal, self.velocity[stage], y[5], law.inverse_radius);
-        }
+    pub fn new(like: T) -> Self {
+        let zero = like.like(0.0);
+        Self { slope: [[zero; D]; STAGES_DENSE], end: [zero; D] }
     }
 
     /// The state at which a stage's slope is taken.
@@ -62,9 +92,33 @@ impl<T: Number, const D: usize> Attempt<T, D> {
         combine(y, h, &A[stage], &self.slope, USED[stage])
     }
 
+    /// Stages 1 to 11 after the first, and the state at the end. What only [`Self::finish`] needs goes `inside`, if that is
+    /// asked for.
+    #[inline(always)]
+    pub fn run<C: Chart>(
+        &mut self,
+        mut inside: Option<&mut Inside<T>>,
+        law: &Law<'_, C, T>,
+        y: &[T; D],
+        slope: &[T; D],
+        h: T,
+    ) {
+        self.slope[0] = *slope;
+        // Unrolled, the loop would be larger than the cache for instructions.
+        for stage in 1..black_box(STAGES) {
+            let at = self.state_of(y, h, stage);
+            let slope = law.slope(&at);
+            self.slope[stage] = slope.rate;
+            if let Some(inside) = inside.as_deref_mut().filter(|_| stage >= FIRST_INSIDE) {
+                inside.enter(law, stage, &at, &slope);
+            }
+        }
+        self.end = self.state_of(y, h, STAGES);
+    }
+
     /// The state after the step, and the slope there to first order: enough to land on an event.
     #[inline(always)]
-    pub fn landed(self) -> ([T; D], [T; D]) {
+    pub fn landed(&self) -> ([T; D], [T; D]) {
         (self.end, self.slope[STAGES - 1])
     }
 
@@ -73,76 +127,49 @@ impl<T: Number, const D: usize> Attempt<T, D> {
     pub fn errors(&self) -> [[T; D]; 2] {
         [weigh(&E5, &self.slope, &SOLUTION), weigh(&E3, &self.slope, &SOLUTION)]
     }
-}
 
-/// Stages 1 to 11 after the first, and the state at the end. What only [`finish`] needs is left out if it is not `KEPT`.
-#[inline(always)]
-pub fn attempt<const KEPT: bool, T: Number, const D: usize, C: Chart>(
-    law: &Law<'_, C, T>,
-    y: &[T; D],
-    slope: &[T; D],
-    h: T,
-) -> Attempt<T, D> {
-    let zero = h.like(0.0);
-    let nothing = Triple([zero; 3]);
-    let mut s = Attempt {
-        slope: [[zero; D]; STAGES_DENSE],
-        velocity: [nothing; STAGES_DENSE],
-        omega: [nothing; STAGES_DENSE],
-        end: *y,
-    };
-    s.slope[0] = *slope;
-    // Unrolled, the loop would be larger than the cache for instructions.
-    for stage in 1..black_box(STAGES) {
-        let at = s.state_of(y, h, stage);
-        let slope = law.slope(&at);
-        if KEPT {
-            s.enter(law, stage, &at, &slope);
-        } else {
-            s.slope[stage] = slope.rate;
+    /// The whole step of an attempt that is kept.
+    #[inline(always)]
+    pub fn finish<C: Chart>(
+        &mut self,
+        inside: &mut Inside<T>,
+        law: &Law<'_, C, T>,
+        y: &[T; D],
+        first: &Stand<T, D>,
+        h: T,
+    ) -> Step<T, D> {
+        let end = self.end;
+        let last = law.stand(&end);
+        self.slope[STAGES] = last.slope.rate;
+        inside.enter(law, STAGES, &end, &last.slope);
+        let mut reaction_inside = last.slope.reaction;
+        for stage in STAGES + 1..black_box(STAGES_DENSE) {
+            let at = self.state_of(y, h, stage);
+            let slope = law.slope(&at);
+            self.slope[stage] = slope.rate;
+            inside.enter(law, stage, &at, &slope);
+            reaction_inside = slope.reaction;
         }
-    }
-    s.end = s.state_of(y, h, STAGES);
-    s
-}
-
-/// The whole step of an attempt that is kept.
-#[inline(always)]
-pub fn finish<T: Number, const D: usize, C: Chart>(
-    law: &Law<'_, C, T>,
-    y: &[T; D],
-    first: &Stand<T, D>,
-    h: T,
-    mut s: Attempt<T, D>,
-) -> Step<T, D> {
-    let end = s.end;
-    let last = law.stand(&end);
-    s.enter(law, STAGES, &end, &last.slope);
-    let mut reaction_inside = last.slope.reaction;
-    for stage in STAGES + 1..black_box(STAGES_DENSE) {
-        let at = s.state_of(y, h, stage);
-        let slope = law.slope(&at);
-        s.enter(law, stage, &at, &slope);
-        reaction_inside = slope.reaction;
-    }
-    s.enter(law, 0, y, &first.slope);
-    let mut rise = end;
-    for i in 0..D {
-        rise[i] = end[i] - y[i];
-    }
-    let dense = dense_output(h, y, &rise, &s.slope);
-    let center = dense_path(h, first.center, last.center - first.center, &s.velocity);
-    let nothing = Triple([h.like(0.0); 3]);
-    let mut turn = [nothing; TERMS];
-    if D == ROLLING {
-        let mut rise = nothing;
-        for i in SOLUTION {
-            rise = rise + s.omega[i] * h.like(B[i]);
+        inside.enter(law, 0, y, &first.slope);
+        let mut rise = end;
+        for i in 0..D {
+            rise[i] = end[i] - y[i];
         }
-        let rise = rise * h;
-        turn = dense_path(h, nothing, rise, &s.omega);
+        let dense = dense_output(h, y, &rise, &self.slope);
+        let center = dense_path(h, first.center, last.center - first.center, &inside.velocity);
+        let nothing = Triple([h.like(0.0); 3]);
+        let mut turn = [nothing; TERMS];
+        if D == ROLLING {
+            let mut rise = nothing;
+            for i in SOLUTION {
+                rise = rise + Triple(inside.omega[i]) * h.like(B[i]);
+            }
+            let rise = rise * h;
+            turn = dense_path(h, nothing, rise, &inside.omega);
+        }
+        let reaction = [first.slope.reaction, reaction_inside, last.slope.reaction];
+        Step { end, dense, center, turn, reaction }
     }
-    Step { end, dense, center, turn, reaction: [first.slope.reaction, reaction_inside, last.slope.reaction] }
 }
 
 /// The error of one ball's step in metres, from Hairer's estimates of order 5 and 3: an error of place counts with the floor's
@@ -181,13 +208,9 @@ fn dense_path<T: Number>(
     h: T,
     start: Triple<T>,
     rise: Triple<T>,
-    slopes: &[Triple<T>; STAGES_DENSE],
+    slopes: &[[T; 3]; STAGES_DENSE],
 ) -> [Triple<T>; TERMS] {
-    let mut k = [rise.0; STAGES_DENSE];
-    for i in 0..STAGES_DENSE {
-        k[i] = slopes[i].0;
-    }
-    let dense = dense_output(h, &start.0, &rise.0, &k);
+    let dense = dense_output(h, &start.0, &rise.0, slopes);
     let mut out = [start; TERMS];
     for i in 0..TERMS {
         out[i] = Triple(dense[i]);

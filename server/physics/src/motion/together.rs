@@ -3,11 +3,9 @@
 
 use super::arc::{Arc, Path, StepSizes, widen};
 use super::body::{Body, Stepping, Verdict, not_finite};
-use super::dop853;
+use super::dop853::{self, Attempt, Inside};
 use super::law::{Law, ROLLING, SLIDING, State};
 use super::look::on_plane;
-use super::rotation::Sizes;
-use super::step::{Step, TERMS};
 use crate::lanes::{LANES_MAX, Lanes};
 use crate::number::Triple;
 use crate::scene::{Accuracy, Scheme};
@@ -126,12 +124,13 @@ fn launch_lanes<const D: usize, C: Chart, S: Simd>(
     }
     let first = law.stand(&y);
     let mut tried = [STEP_MIN; LANES_MAX];
+    let (mut attempt, mut inside) = (Attempt::new(law.radius), Inside::new(law.radius));
     while waiting.contains(&true) {
         for (lane, ball) in balls.iter().flatten().enumerate() {
             tried[lane] = ball.stepping.try_s;
         }
         let h = Lanes::new(simd, |lane| tried[lane]);
-        let attempt = dop853::attempt::<true, _, D, C>(&law, &y, &first.slope.rate, h);
+        attempt.run(Some(&mut inside), &law, &y, &first.slope.rate, h);
         let errors = attempt.errors();
         let mut kept = [false; LANES_MAX];
         for (lane, ball) in balls.iter_mut().flatten().enumerate() {
@@ -145,45 +144,23 @@ fn launch_lanes<const D: usize, C: Chart, S: Simd>(
             let verdict = ball.stepping.judge(tolerance, error);
             if verdict == Verdict::GivenUp {
                 let step = not_finite();
-                ball.arc.fill::<D>(tried[lane], &[f64::NAN; D], &step, &StepSizes::of(&step), accuracy);
+                let sizes = StepSizes::of(&step);
+                ball.arc.fill::<_, D>(tried[lane], &[f64::NAN; D], &step, &sizes, accuracy, |x| x);
             }
             kept[lane] = verdict == Verdict::Kept;
             waiting[lane] = verdict == Verdict::Refused;
         }
         if kept.contains(&true) {
-            let step = dop853::finish(&law, &y, &first, h, attempt);
+            let step = attempt.finish(&mut inside, &law, &y, &first, h);
             let sizes = StepSizes::of(&step);
             for (lane, ball) in balls.iter_mut().flatten().enumerate() {
                 if kept[lane] {
-                    let slope = numbers(&first.slope.rate, lane);
-                    let sizes = sizes_of(&sizes, lane);
-                    ball.arc.fill(tried[lane], &slope, &step_of(&step, lane), &sizes, accuracy);
+                    let of_lane = |x: Lanes<S>| x.lane(lane);
+                    ball.arc.fill(tried[lane], &first.slope.rate, &step, &sizes, accuracy, of_lane);
                 }
             }
         }
     }
-}
-
-/// One ball's step.
-#[inline(always)]
-fn step_of<const D: usize, S: Simd>(step: &Step<Lanes<S>, D>, lane: usize) -> Step<f64, D> {
-    let mut out = not_finite();
-    out.end = numbers(&step.end, lane);
-    out.reaction = numbers(&step.reaction, lane);
-    for power in 0..TERMS {
-        out.dense[power] = numbers(&step.dense[power], lane);
-        out.center[power] = Triple(numbers(&step.center[power].0, lane));
-        out.turn[power] = Triple(numbers(&step.turn[power].0, lane));
-    }
-    out
-}
-
-/// One ball's sizes.
-#[inline(always)]
-fn sizes_of<S: Simd>(sizes: &StepSizes<Lanes<S>>, lane: usize) -> StepSizes<f64> {
-    let StepSizes { turn: Sizes { length, across }, bending } = sizes;
-    let turn = Sizes { length: numbers(length, lane), across: numbers(across, lane) };
-    StepSizes { turn, bending: bending.lane(lane) }
 }
 
 /// One ball's numbers.
@@ -325,7 +302,9 @@ fn land_lanes<const D: usize, C: Chart, S: Simd>(
         slope[i] = Lanes::new(simd, |lane| seats[lane].arc.slope[i]);
     }
     let h = Lanes::new(simd, |lane| seats[lane].dt);
-    let (end, slope) = dop853::attempt::<false, _, D, C>(&law, &y, &slope, h).landed();
+    let mut attempt = Attempt::new(h);
+    attempt.run(None, &law, &y, &slope, h);
+    let (end, slope) = attempt.landed();
     let frame = chart.frame([end[0], end[1]]);
     let normal = frame.normal();
     let center = frame.point() + normal * law.radius;
