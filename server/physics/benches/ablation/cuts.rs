@@ -74,8 +74,8 @@ pub const CUTS: &[Cut] = &[
             ("controller/observe.rs", "if !b.body.rolls {", "if true {"),
             (
                 "motion/arc.rs",
-                "self.turning.begin_sized(step.turn.map(V3::from), &sizes.turn, left_out);",
-                "let _ = left_out;",
+                "self.turning.begin_sized(turn, &turn_sizes, left_out);",
+                "let _ = (turn, turn_sizes, left_out);",
             ),
             (
                 "controller/advance.rs",
