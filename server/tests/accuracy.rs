@@ -74,7 +74,7 @@ fn with_hits_walls_and_hills_the_error_asked_for_is_kept_by_the_largest_toleranc
             let found = loaded.rehearsed().unwrap().tolerance_m;
             let share = error(loaded.physics(), Accuracy::Tolerance(found)).0 / error_m;
             assert!(share <= 1.0, "{name}, {error_m:e} m: {share}");
-            // Steps are halved or not, all at once where a ball rides evenly, and some hits go one way or the other.
+            // Balls that should meet at one instant (`saddle`, `derby`) do so from some tolerance on: errors fall by leaps.
             let next = (share < 0.01 && found < 1e-2).then_some(Accuracy::Tolerance(NEXT * found));
             assert!(
                 next.is_none_or(|next| error(loaded.physics(), next).0 > 0.8 * error_m),
