@@ -12,7 +12,7 @@ use std::time::Duration;
 
 /// Hits kept while the publisher is busy.
 pub const HITS_CAPACITY: usize = 16_384;
-/// Snapshot buffers in circulation: one being written, one waiting, one being sent, one being asked for.
+/// Snapshot buffers kept ready: for one being written, one waiting, one being sent, one being asked for.
 const BUFFERS: usize = 4;
 
 /// Everything since the publisher last looked.
@@ -102,7 +102,7 @@ impl Handover {
             && let Some(overtaken) = shelf.batch.state.replace(state)
         {
             shelf.skipped += 1;
-            give_back(&mut shelf.spare, overtaken);
+            drop(give_back(&mut shelf.spare, overtaken));
         }
         let room = HITS_CAPACITY.saturating_sub(shelf.batch.hits.len()).min(hits.len());
         shelf.batch.hits_dropped += (hits.len() - room) as u64;
@@ -152,7 +152,14 @@ impl Handover {
 
     /// Gives a buffer back to be written again.
     pub fn recycle(&self, buffer: Snapshot) {
-        give_back(&mut self.lock().spare, buffer);
+        // What there is no room for is freed when the tick need not wait for it.
+        let left = give_back(&mut self.lock().spare, buffer);
+        drop(left);
+    }
+
+    /// Fills up the buffers with copies of `state`, so that a tick finds one while others are being read.
+    pub fn stock(&self, state: &Snapshot) {
+        (0..BUFFERS).for_each(|_| self.recycle(state.clone()));
     }
 
     /// States overtaken by a newer one before they were fetched.
@@ -161,15 +168,28 @@ impl Handover {
     }
 }
 
-fn give_back(spare: &mut Vec<Snapshot>, buffer: Snapshot) {
+/// Keeps a buffer, or hands it back when there are enough.
+fn give_back(spare: &mut Vec<Snapshot>, buffer: Snapshot) -> Option<Snapshot> {
     if spare.len() < BUFFERS {
         spare.push(buffer);
+        return None;
     }
+    Some(buffer)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_stocked_tick_finds_buffers_with_room_while_others_are_read() {
+        let handover = Handover::default();
+        handover.stock(&Snapshot { center_m: vec![[0.0; 3]; 7], ..Snapshot::default() });
+        for _ in 0..BUFFERS {
+            assert!(handover.buffer().center_m.capacity() >= 7);
+        }
+        assert_eq!(handover.buffer().center_m.capacity(), 0);
+    }
 
     #[test]
     fn only_the_newest_state_waits_and_buffers_go_round() {

@@ -258,6 +258,7 @@ impl Network {
         let mut first = Snapshot::default();
         simulation.write_snapshot(&mut first);
         first.paused = options.paused;
+        handover.stock(&first);
         let mut stats = Stats { paused: options.paused, speed_factor: 1.0, ..Stats::default() };
         simulation.write_stats(&mut stats);
         let latest = Arc::new(Latest {

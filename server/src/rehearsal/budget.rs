@@ -13,8 +13,6 @@ const BALLS: usize = 8;
 const LEAST: i32 = -52;
 /// How much more exactly the balls are run once more to see how exactly they were run.
 const TIGHTER: f64 = 100.0;
-/// The most exact that there is, m.
-const TIGHTEST_M: f64 = 1e-13;
 
 /// Finds the tolerance whose work fits in `budget` evaluations per ball and simulated second. Larger tolerances never take more
 /// steps worth speaking of, so that halving finds it.
@@ -32,7 +30,7 @@ pub fn within(loaded: &LoadedScene, budget: f64) -> Result<Rehearsed, SceneError
     }
     let tolerance_m = tolerance(most);
     let run = rehearse(loaded, tolerance_m)?;
-    let exact = rehearse(loaded, (tolerance_m / TIGHTER).max(TIGHTEST_M))?;
+    let exact = rehearse(loaded, (tolerance_m / TIGHTER).max(tolerance(LEAST)))?;
     let apart = run.balls().zip(exact.balls()).map(|(a, b)| (a.center - b.center).norm());
     Ok(Rehearsed {
         asked: Asked::Evaluations(budget),

@@ -32,14 +32,24 @@ const WORK: u64 = 1 << 22;
 /// Finds the largest tolerance that keeps an error of `error_m`.
 pub(super) fn kept(loaded: &LoadedScene, error_m: f64) -> Result<Rehearsed, SceneError> {
     if loaded.controller()?.balls().len() > BALLS {
-        return Err(refuse(loaded, &format!("asks for a run beforehand: at most {BALLS} balls are run")));
+        return Err(refuse(
+            loaded,
+            &format!("asks for a run beforehand: at most {BALLS} balls are run; name a tolerance_m"),
+        ));
     }
     let exact = Track::of(loaded, EXACT)?;
-    // Where nothing is integrated every tolerance gives the same run.
-    let alike = exact.evaluations == 0.0;
+    let found = |quarters, track: &Track| Rehearsed {
+        asked: Asked::Error(error_m),
+        tolerance_m: tolerance(quarters),
+        evaluations: track.evaluations,
+        reached_m: track.distance(&exact),
+    };
+    if exact.evaluations == 0.0 {
+        // Where nothing is integrated every tolerance gives the same run.
+        return Ok(found(MOST, &exact));
+    }
     let with = |quarters| Track::of(loaded, Accuracy::Tolerance(tolerance(quarters)));
-    let finest = if alike { exact.clone() } else { with(LEAST)? };
-    let steady = if alike { exact.clone() } else { Track::of(loaded, STEADY)? };
+    let (finest, steady) = (with(LEAST)?, Track::of(loaded, STEADY)?);
     let doubts = [&finest, &steady].map(|other| other.parting(&exact, DOUBT * error_m));
     if let Some(tick) = doubts.into_iter().flatten().min() {
         let seconds = tick as f64 / f64::from(RATE_HZ);
@@ -52,7 +62,7 @@ pub(super) fn kept(loaded: &LoadedScene, error_m: f64) -> Result<Rehearsed, Scen
         ));
     }
     // With the least it is kept, and errors grow with the tolerance but for luck: halving finds where it is not kept any more.
-    let (mut least, mut most, mut best) = (if alike { MOST } else { LEAST }, MOST, finest);
+    let (mut least, mut most, mut best) = (LEAST, MOST, finest);
     while least < most {
         let middle = (least + most + 1).div_euclid(2);
         let track = with(middle)?;
@@ -62,16 +72,10 @@ pub(super) fn kept(loaded: &LoadedScene, error_m: f64) -> Result<Rehearsed, Scen
             most = middle - 1;
         }
     }
-    Ok(Rehearsed {
-        asked: Asked::Error(error_m),
-        tolerance_m: tolerance(least),
-        evaluations: best.evaluations,
-        reached_m: best.distance(&exact),
-    })
+    Ok(found(least, &best))
 }
 
 /// Where the balls of a run were at each tick.
-#[derive(Clone)]
 struct Track {
     centers: Vec<Vector3<f64>>,
     balls: usize,

@@ -201,13 +201,13 @@ impl Controller {
 
     /// Finds the orientations of rolling balls at the ends of their present arcs.
     fn turn_to_ends(&self, group: &mut [Prepared]) {
+        if !self.balls[group[0].ball].body.rolls {
+            return;
+        }
         let mut courses = [None; LANES_MAX];
         for (course, next) in courses.iter_mut().zip(&*group) {
             let Arc { start, scale, turning, .. } = &self.arcs[next.ball];
             *course = Some((turning, next.arc.start.since(*start) / scale));
-        }
-        if !self.balls[group[0].ball].body.rolls {
-            return;
         }
         let (count, mut q) = (group.len(), [[0.0; 4]; LANES_MAX]);
         orientations(&courses[..count], &mut [Followed::NONE; LANES_MAX][..count], &mut q[..count]);
