@@ -10,8 +10,9 @@
 //! | `away` | on this machine, at another server of the same scene |
 //! | `here` | at the server that is looked at |
 //!
-//! Rough clients and that other server get only processor time that others leave. What they cost all the same, in caches, memory,
-//! wake-ups and the kernel's side of loopback, `away` shows: it is what a crowd on machines of its own would not cost.
+//! Rough clients and that other server get only processor time that others leave, and the healthy client comes before all, where
+//! that is permitted: it shows what the server does, not what the healthy client's own machine has to do beside. What a crowd costs
+//! all the same, in caches, memory, wake-ups and the kernel's side of loopback, `away` shows: on machines of its own it would not.
 //! What `here` costs beyond `away` is what the server lets through, and what it must do for the crowd in its own threads.
 //! The other server cannot serve a crowd as fast as one that has a core: of that part `away` shows less than there is. A crowd
 //! also keeps cores awake, so that ticks may be late less often beside it than without.
@@ -19,7 +20,12 @@
 use ballroom_client::Client;
 use clap::Parser;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
-use tests::{Crowd, Kind, Process, Server};
+use tests::{Crowd, Kind, PATIENCE, Process, Server, come_first};
+
+/// How much longer a crowd stays than it is looked at.
+const LONGER: Duration = Duration::from_secs(1);
+/// What a crowd says when all of it is there.
+const HERE: &str = "here";
 
 /// Measure what ten rough clients cost a healthy one
 #[derive(Parser)]
@@ -39,6 +45,9 @@ struct Arguments {
     /// One more word for `ballroom serve`, for instance --with=--threads=1; may be repeated
     #[arg(long = "with", value_name = "WORD")]
     with: Vec<String>,
+    /// Be the crowd at this server for one window: the bench calls itself so
+    #[arg(long, hide = true)]
+    crowd_at: Option<String>,
     /// Given by cargo
     #[arg(long, hide = true)]
     bench: bool,
@@ -47,6 +56,20 @@ struct Arguments {
 impl Arguments {
     fn words<'a>(&'a self, balls: &'a str) -> Vec<&'a str> {
         ["gas", "--balls", balls].into_iter().chain(self.with.iter().map(String::as_str)).collect()
+    }
+
+    fn window(&self) -> Duration {
+        Duration::from_secs(self.seconds)
+    }
+
+    /// The crowd at a server for one window, begun by a process aside: to begin processes costs time too.
+    fn crowd(&self, endpoint: &str) -> Process {
+        let seconds = self.seconds.to_string();
+        let kinds = self.kinds.iter().map(|kind| kind.name());
+        let words = ["--crowd-at", endpoint, "--seconds", &seconds].into_iter().chain(kinds);
+        let crowd = Process::start_again_aside(&words.collect::<Vec<_>>());
+        crowd.said(PATIENCE, |line| (line == HERE).then_some(()));
+        crowd
     }
 }
 
@@ -59,6 +82,20 @@ enum Place {
 }
 
 const PLACES: [(Place, &str); 3] = [(Place::Nowhere, "none"), (Place::Away, "away"), (Place::Here, "here")];
+
+/// Does the work of the healthy client, before all else on this machine if that is permitted: as a machine of its own would. The
+/// threads that its session begins come first too.
+fn ahead<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    std::thread::scope(|scope| {
+        let healthy = scope.spawn(|| {
+            if !come_first() {
+                eprintln!("not permitted to come first: ages hold waiting for a core that others have");
+            }
+            work()
+        });
+        healthy.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
 
 /// What a healthy client saw.
 struct Seen {
@@ -97,7 +134,6 @@ fn look(client: &Client, time: Duration) -> Seen {
 
 /// A window with the rough clients somewhere.
 fn look_beside(place: Place, server: &Server, client: &Client, balls: &str, arguments: &Arguments) -> Seen {
-    let time = Duration::from_secs(arguments.seconds);
     let other = matches!(place, Place::Away).then(|| {
         let serve = ["serve", "-l", "tcp/127.0.0.1:0"];
         Server::of(Process::start_aside("ballroom", &[&serve[..], &arguments.words(balls)].concat()))
@@ -107,14 +143,20 @@ fn look_beside(place: Place, server: &Server, client: &Client, balls: &str, argu
         Place::Away => other.as_ref(),
         Place::Here => Some(server),
     };
+    let crowd = at.map(|server| arguments.crowd(server.endpoint()));
+    let seen = ahead(|| look(client, arguments.window()));
+    if let Some(crowd) = crowd {
+        crowd.end(PATIENCE);
+    }
+    seen
+}
+
+/// Ten rough clients, until whoever looks has seen enough.
+fn be_the_crowd(arguments: &Arguments, endpoint: &str) {
     let kinds = if arguments.kinds.is_empty() { &Kind::ALL[..] } else { &arguments.kinds };
-    let crowd = at.map(|server| Crowd::of(kinds, server.endpoint()));
-    std::thread::scope(|scope| {
-        if let Some(mut crowd) = crowd {
-            scope.spawn(move || crowd.rage_for(time));
-        }
-        look(client, time)
-    })
+    let mut crowd = Crowd::of(kinds, endpoint);
+    println!("{HERE}");
+    crowd.rage_for(arguments.window() + LONGER);
 }
 
 /// Windows of one sort, one after another.
@@ -147,7 +189,7 @@ fn spread(values: &[f64]) -> (f64, String) {
 fn measure(balls: u32, arguments: &Arguments) {
     let balls = balls.to_string();
     let server = Server::start(&arguments.words(&balls));
-    let client = server.client();
+    let client = ahead(|| server.client());
     let mut windows = PLACES.map(|_| Windows::default());
     for _ in 0..arguments.rounds {
         for (windows, (place, _)) in windows.iter_mut().zip(PLACES) {
@@ -171,6 +213,9 @@ fn measure(balls: u32, arguments: &Arguments) {
 
 fn main() {
     let arguments = Arguments::parse();
+    if let Some(endpoint) = &arguments.crowd_at {
+        return be_the_crowd(&arguments, endpoint);
+    }
     println!("median (smallest to largest) of {} windows of {} s", arguments.rounds, arguments.seconds);
     println!(
         "{:>6} {:>6} {:>20} {:>20} {:>20} {:>22}",

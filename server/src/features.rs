@@ -5,7 +5,7 @@ use crate::arenas::MAX_RECORDINGS;
 use crate::checker::MAX_CHECKS;
 use crate::history::{MAX_POINTS, MAX_SLOT_BYTES};
 use crate::inbox::INBOX_CAPACITY;
-use crate::network::MAX_SESSIONS;
+use crate::network::{MAX_SESSIONS, REFUSED_PER_S};
 use crate::players::{DRIVES_PER_S, MESSAGES_PER_S};
 use crate::scene_file::{SceneText, built_in_names};
 use crate::workshop::MAX_JOBS;
@@ -112,6 +112,7 @@ pub fn features() -> Features {
             of(&[
                 long,
                 ("max_clients", MAX_SESSIONS as f64),
+                ("max_refused_per_s_of_a_client", REFUSED_PER_S),
                 ("max_arenas", MAX_ARENAS as f64),
                 ("max_recordings", MAX_RECORDINGS as f64),
             ]),

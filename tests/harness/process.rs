@@ -4,7 +4,7 @@ use crate::wait::{PATIENCE, within};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use std::io::{BufRead, BufReader, Read};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -24,6 +24,14 @@ fn path_of(program: &str) -> PathBuf {
         path.display()
     );
     path
+}
+
+/// Gives this thread, and those that it will begin, the processor before all others; whether that is permitted.
+pub fn come_first() -> bool {
+    let thread = nix::unistd::gettid().to_string();
+    let mut command = Command::new("chrt");
+    command.args(["--fifo", "--pid", "1", &thread]).stdout(Stdio::null()).stderr(Stdio::null());
+    command.status().is_ok_and(|status| status.success())
 }
 
 /// What a program that has ended left behind.
@@ -67,9 +75,18 @@ impl Process {
 
     /// The same, but it gets only what processor time others leave: as good as on another machine.
     pub fn start_aside(program: &str, arguments: &[&str]) -> Self {
+        Self::aside(&path_of(program), arguments)
+    }
+
+    /// The program that runs now, aside.
+    pub fn start_again_aside(arguments: &[&str]) -> Self {
+        Self::aside(&std::env::current_exe().expect("a program has a path"), arguments)
+    }
+
+    fn aside(program: &Path, arguments: &[&str]) -> Self {
         let mut command = Command::new("chrt");
-        command.args(["--idle", "0"]).arg(path_of(program)).args(arguments);
-        Self::spawn(format!("{program} {}", arguments.join(" ")), command)
+        command.args(["--idle", "0"]).arg(program).args(arguments);
+        Self::spawn(format!("{} {}", program.display(), arguments.join(" ")), command)
     }
 
     /// Starts any command, without a terminal or a screen.

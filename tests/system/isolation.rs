@@ -4,7 +4,12 @@ use crate::states::done;
 use nix::sys::signal::Signal;
 use protocol::command::Command;
 use std::time::{Duration, Instant};
-use tests::{Crowd, PATIENCE, Server, run, simulate, turn, until};
+use tests::{Crowd, Kind, PATIENCE, Server, run, simulate, turn, until};
+
+/// Most refusals of one link in a second.
+const REFUSED_PER_S: f64 = 100.0;
+/// Most presses of one player that are let through in a second.
+const PRESSES_PER_S: f64 = 120.0;
 
 /// Ticks a second.
 const RATE_HZ: u64 = 60;
@@ -45,6 +50,24 @@ fn ten_rough_clients_leave_a_hundred_balls_where_they_would_have_been() {
 fn ten_rough_clients_leave_ten_thousand_balls_where_they_would_have_been() {
     let _turn = turn();
     hold("10000", Duration::from_secs(3));
+}
+
+#[test]
+fn who_floods_is_read_no_faster_than_a_rest_after_each_refusal_allows() {
+    let _turn = turn();
+    let server = Server::start(&["original"]);
+    let client = server.client();
+    let floods = [Kind::Presses, Kind::Nonsense];
+    let mut crowd = Crowd::of(&floods, server.endpoint());
+    let (before, began) = (client.stats().unwrap().commands_refused, Instant::now());
+    crowd.rage_for(Duration::from_secs(3));
+    let refused = client.stats().unwrap().commands_refused - before;
+    // Both press as one player, whose presses for a ball that is not there are refused at the tick. The first figures may be a
+    // second old, and a bucket holds one more.
+    let most = (REFUSED_PER_S * floods.len() as f64 + PRESSES_PER_S) * (began.elapsed().as_secs_f64() + 2.0);
+    assert!(refused > 0 && refused as f64 <= most, "{refused} refused, at most {most}");
+    // Another's link is not held up by it.
+    done(&client, &Command::Pause {});
 }
 
 #[test]

@@ -58,6 +58,20 @@ pub enum Answer {
     Fault(Refusal),
 }
 
+/// About what a ball takes in a saved state.
+pub const BYTES_A_SAVED_BALL: f64 = 400.0;
+
+impl Answer {
+    /// About what a ball takes in answers that grow with the balls and are costly, 0 in others.
+    pub const fn bytes_a_ball(&self) -> f64 {
+        match self {
+            Self::World { as_json: true } => 500.0,
+            Self::World { as_json: false } => 160.0,
+            _ => 0.0,
+        }
+    }
+}
+
 /// The way to an answering thread, which ends when all copies of it are gone.
 pub struct Answers<A>(SyncSender<(Query, A)>);
 
@@ -94,11 +108,8 @@ pub fn send(latest: &Latest, archive: &Archive, players: &Players, query: &Query
     let (bytes, encoding) = match answer {
         Answer::Claimed(claimed) => json(&claimed),
         Answer::Players => json(&players.listing()),
-        Answer::World { as_json } => match latest.allows(if as_json { 500.0 } else { 160.0 }) {
-            Err(refusal) => return refuse(query, refusal),
-            Ok(()) if as_json => json(&latest.world()),
-            Ok(()) => (latest.world_frame(), Encoding::APPLICATION_CBOR),
-        },
+        Answer::World { as_json: true } => json(&latest.world()),
+        Answer::World { as_json: false } => (latest.world_frame(), Encoding::APPLICATION_CBOR),
         Answer::Balls(selection) => json(&selection.of(&latest.world())),
         Answer::Features => json(&crate::features::features()),
         Answer::Scenes => json(&crate::features::scenes()),

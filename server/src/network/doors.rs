@@ -4,7 +4,7 @@
 use super::answers::{Answers, refuse, send_json};
 use super::budget::{ANSWERS_PER_S, Budget, Source};
 use super::link::Link;
-use super::{CLOSE_TIMEOUT, NetworkError};
+use super::{CLOSE_TIMEOUT, NetworkError, throttle};
 use crate::inbox::Answer;
 use protocol::arenas::{ArenaCommand, Arenas, COMMAND_KEY, LIST_KEY};
 use protocol::codec::CodecError;
@@ -55,7 +55,7 @@ impl Doors {
             })
         };
         let questions = link.session().declare_queryable(LIST_KEY).callback(move |query| {
-            let refused = allow(&budget, &Source::Questions).err();
+            let refused = allow(&budget, &Source::Questions).inspect_err(|_| throttle::hold_up()).err();
             answers.give(query, refused.map_or(Said::List, Said::Refusal));
         });
         Ok((Self { queryables: [commands.wait()?, questions.wait()?], answered }, waiting))
@@ -73,12 +73,16 @@ impl Doors {
 fn pass(read: Result<ArenaCommand, Refusal>, query: Query, jobs: &SyncSender<Job>, answers: &Answers<Said>) {
     let command = match read {
         Ok(command) => command,
-        Err(refusal) => return answers.give(query, Said::Reply(refusal.into())),
+        Err(refusal) => {
+            throttle::hold_up();
+            return answers.give(query, Said::Reply(refusal.into()));
+        }
     };
     let way_back = answers.clone();
     let answer: Answer = Box::new(move |reply| way_back.give(query, Said::Reply(reply.clone())));
     if let Err(full) = jobs.try_send((command, answer)) {
         let (TrySendError::Full((_, answer)) | TrySendError::Disconnected((_, answer))) = full;
+        throttle::hold_up();
         let why = format!("{MAX_WAITING} commands about arenas wait already: send fewer");
         answer(&Refusal::new(code::TOO_MANY, why).into());
     }

@@ -9,6 +9,7 @@
 //! | `services` | commands and questions coming in |
 //! | `driving` | players: claims, drive messages and acknowledgements |
 //! | `budget` | how many commands and questions one source may send |
+//! | `throttle` | whoever is refused is read more slowly |
 //! | `answers` | everything that is answered, on a thread of its own |
 //! | `readers` | who reads the states, as they say themselves |
 //! | `outlet` | one stream going out, numbered and counted |
@@ -25,9 +26,11 @@ mod readers;
 mod services;
 mod session;
 mod threads;
+mod throttle;
 
 pub use session::MAX_SESSIONS;
 pub use threads::begin_with_enough_threads;
+pub use throttle::REFUSED_PER_S;
 
 use crate::arena::ArenaOptions;
 use crate::bucket::Bucket;
@@ -41,7 +44,7 @@ pub(crate) use doors::{Doors, Job as DoorJob};
 pub(crate) use link::Link;
 use protocol::arenas::ArenaRow;
 use protocol::codec::WorldHead;
-use protocol::command::{Refusal, Reply, code};
+use protocol::command::Reply;
 use protocol::info::Info;
 use protocol::keys::{Keys, Name, Role};
 use protocol::parameter::Parameters;
@@ -106,17 +109,9 @@ pub(crate) struct Latest {
 }
 
 impl Latest {
-    /// Whether an answer that takes so many bytes a ball may be given now. Refusing is cheap, such an answer is not.
-    fn allows(&self, bytes_a_ball: f64) -> Result<(), Refusal> {
-        let bytes = bytes_a_ball * self.stage().roster.names.len() as f64;
-        let mut whole = self.whole.lock().unwrap_or_else(PoisonError::into_inner);
-        if whole.draw(bytes, Instant::now()) {
-            return Ok(());
-        }
-        let why = format!(
-            "whole worlds are asked for too often: all together may take {WHOLE_BYTES_PER_S} bytes a second"
-        );
-        Err(Refusal::new(code::TOO_MANY, why))
+    /// Whether answers that grow with the balls may take so many bytes more now. Refusing is cheap, such an answer is not.
+    fn may_take(&self, bytes: f64) -> bool {
+        bytes == 0.0 || self.whole.lock().unwrap_or_else(PoisonError::into_inner).draw(bytes, Instant::now())
     }
 
     fn world(&self) -> World {

@@ -1,10 +1,10 @@
 //! Commands and questions coming in. Callbacks run on Zenoh's receiving threads: they check, and pass on to the inbox
-//! or to the answering thread; none waits for the simulation or for a client.
+//! or to the answering thread; none waits for the simulation or for a client. Only what is refused holds up its own link.
 
-use super::answers::{Answer, Answers};
+use super::answers::{Answer, Answers, BYTES_A_SAVED_BALL};
 use super::budget::{ANSWERS_PER_S, Budget, PRESSES_PER_S, Source};
 use super::link::Link;
-use super::{Latest, NetworkError};
+use super::{Latest, NetworkError, WHOLE_BYTES_PER_S, throttle};
 use crate::checker::Checker;
 use crate::inbox::{Inbox, Refused, Request};
 use crate::players::Players;
@@ -46,7 +46,8 @@ impl Services {
             let declared = session.declare_queryable(key).callback(move |query| {
                 let answer = gate
                     .spend(&Source::Questions)
-                    .and_then(|()| make(&query).map_err(|why| gate.refuse(code::MALFORMED, why)));
+                    .and_then(|()| make(&query).map_err(|why| gate.refuse(code::MALFORMED, why)))
+                    .and_then(|answer| gate.afford(answer.bytes_a_ball()).map(|()| answer));
                 gate.answers.give(query, answer.unwrap_or_else(Answer::Fault));
             });
             declared.wait().map(|queryable| queryables.push(queryable))
@@ -92,13 +93,10 @@ fn commands(session: &Session, key: &str, gate: Arc<Gate>) -> Result<Queryable<(
     Ok(session.declare_queryable(key.to_owned()).callback(callback).wait()?)
 }
 
-/// About what a ball takes in a saved state.
-const BYTES_A_SAVED_BALL: f64 = 400.0;
-
 /// States as files: what a slot holds, or the present one, which the tick thread has to write.
 fn checkpoints(session: &Session, key: String, gate: Arc<Gate>) -> Result<Queryable<()>, NetworkError> {
     let callback = move |query: Query| {
-        let allowed = gate.spend(&Source::Questions).and_then(|()| gate.latest.allows(BYTES_A_SAVED_BALL));
+        let allowed = gate.spend(&Source::Questions).and_then(|()| gate.afford(BYTES_A_SAVED_BALL));
         if let Err(refusal) = allowed {
             return gate.give(query, Answer::Fault(refusal));
         }
@@ -172,6 +170,7 @@ fn reports(session: &Session, keys: Keys, latest: Arc<Latest>) -> Result<Subscri
             .and_then(|reader| latest.readers.hear(reader, &sample.payload().to_bytes(), Instant::now()));
         if let Err(why) = heard {
             tracing::debug!("{key} passed over: {why}");
+            throttle::hold_up();
         }
     });
     Ok(subscriber.wait()?)
@@ -262,7 +261,7 @@ impl Gate {
                 Err(why) => return Err((answer, self.refuse(why.code, why.why))),
             }
         };
-        self.workshop.give(job, answer).inspect_err(|_| self.inbox.count_refused())
+        self.workshop.give(job, answer).inspect_err(|_| self.has_refused())
     }
 
     pub(super) fn spend(&self, source: &Source) -> Result<(), Refusal> {
@@ -281,14 +280,32 @@ impl Gate {
         Err(self.refuse(code::TOO_MANY, why))
     }
 
+    /// Whether an answer of so many bytes a ball may be given now.
+    fn afford(&self, bytes_a_ball: f64) -> Result<(), Refusal> {
+        let bytes = bytes_a_ball * self.latest.stage().roster.names.len() as f64;
+        if self.latest.may_take(bytes) {
+            return Ok(());
+        }
+        let why = format!(
+            "whole worlds are asked for too often: all together may take {WHOLE_BYTES_PER_S} bytes a second"
+        );
+        Err(self.refuse(code::TOO_MANY, why))
+    }
+
+    /// Whoever is refused has to wait.
     pub(super) fn refuse(&self, code: u16, why: String) -> Refusal {
-        self.inbox.count_refused();
+        self.has_refused();
         Refusal { code, why }
+    }
+
+    fn has_refused(&self) {
+        self.inbox.count_refused();
+        throttle::hold_up();
     }
 
     fn offer(&self, request: Request) -> Result<(), Unpassed> {
         self.inbox.offer(request).map_err(|Refused { answer, why }| {
-            self.inbox.count_refused();
+            self.has_refused();
             (answer, why)
         })
     }

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | reading | 2 | a link that is closed: its reader lingers for ten seconds if the client stopped reading |
 //! | sending | 1 | a link that is closed: its sender waits for the state that waits for room in it |
+//! | resting | 50 | a link that has sent what was refused: another thread reads the rest |
 //! | waiting | 50 | a link that is full: a state waits for room in it |
 //!
 //! Of the usual, one or two clients that stop reading take all, and nobody is heard or served. Only an environment variable
@@ -17,12 +18,15 @@ const VARIABLE: &str = "ZENOH_RUNTIME";
 const READING_THREADS: usize = MAX_SESSIONS + 2;
 const SENDING_THREADS: usize = MAX_SESSIONS + 1;
 /// These begin only when there is need.
+const RESTING_THREADS: usize = MAX_SESSIONS + 50;
+/// These too.
 const WAITING_THREADS: usize = MAX_SESSIONS + 50;
 
 /// The value of the variable.
 fn enough() -> String {
     format!(
-        "(rx: (worker_threads: {READING_THREADS}), tx: (worker_threads: {SENDING_THREADS}), \
+        "(rx: (worker_threads: {READING_THREADS}, max_blocking_threads: {RESTING_THREADS}), \
+         tx: (worker_threads: {SENDING_THREADS}), \
          net: (max_blocking_threads: {WAITING_THREADS}))"
     )
 }
