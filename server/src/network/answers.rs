@@ -1,7 +1,7 @@
-//! Everything that is answered, on a thread of its own: a client that asks and stops reading holds up other answers at
-//! most, never a state or Zenoh's receiving threads.
+//! Everything that is answered, on threads of its own: a client that asks and stops reading holds up other answers for a moment
+//! at most, and never a state or Zenoh's receiving threads.
 
-use super::Latest;
+use super::{CLOSE_TIMEOUT, Latest, MAX_SESSIONS};
 use crate::history::Archive;
 use crate::players::Players;
 use protocol::check::Check;
@@ -10,14 +10,17 @@ use protocol::command::{Refusal, Reply};
 use protocol::listing::Selection;
 use protocol::player::Claimed;
 use protocol::timeline::SavedState;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use zenoh::Wait;
 use zenoh::bytes::Encoding;
 use zenoh::query::Query;
 
 /// Answers that wait; a question beyond them is dropped, which whoever asked sees at once.
 const MAX_WAITING: usize = 256;
+/// How long the next waits for one that makes no way. One at a time is work for a core; more would take others from the tick.
+const HOLDUP: Duration = Duration::from_millis(20);
 
 /// What to answer.
 pub enum Answer {
@@ -83,15 +86,9 @@ impl<A> Clone for Answers<A> {
 
 impl<A: Send + 'static> Answers<A> {
     /// Starts the thread, which sends each answer by `send`; the receiver hears when it has ended.
-    pub fn start(send: impl Fn(&Query, A) + Send + 'static) -> std::io::Result<(Self, Receiver<()>)> {
+    pub fn start(send: impl Fn(&Query, A) + Send + Sync + 'static) -> std::io::Result<(Self, Receiver<()>)> {
         let (queue, waiting) = sync_channel::<(Query, A)>(MAX_WAITING);
-        let (finished, ended) = sync_channel(1);
-        std::thread::Builder::new().name("answer".into()).spawn(move || {
-            for (query, answer) in waiting {
-                send(&query, answer);
-            }
-            drop(finished);
-        })?;
+        let ended = one_by_one(waiting, move |(query, answer)| send(&query, answer))?;
         Ok((Self(queue), ended))
     }
 
@@ -101,6 +98,32 @@ impl<A: Send + 'static> Answers<A> {
             tracing::debug!("a question stays unanswered: too many answers wait to be sent");
         }
     }
+}
+
+/// Works through what comes in on a thread of its own, one after another; what takes longer than [`HOLDUP`] goes on beside the
+/// next. The receiver hears when all is done.
+fn one_by_one<T: Send + 'static>(
+    waiting: Receiver<T>,
+    work: impl Fn(T) + Send + Sync + 'static,
+) -> std::io::Result<Receiver<()>> {
+    let hands = tokio::runtime::Builder::new_current_thread()
+        .enable_time()
+        .thread_name("answer")
+        .max_blocking_threads(MAX_SESSIONS)
+        .build()?;
+    let (finished, ended) = sync_channel(1);
+    let work = Arc::new(work);
+    std::thread::Builder::new().name("answers".into()).spawn(move || {
+        for item in waiting {
+            let work = work.clone();
+            let done = hands.spawn_blocking(move || work(item));
+            // A panic in it has been printed, and leaves one unanswered.
+            drop(hands.block_on(async { tokio::time::timeout(HOLDUP, done).await }));
+        }
+        hands.shutdown_timeout(CLOSE_TIMEOUT);
+        drop(finished);
+    })?;
+    Ok(ended)
 }
 
 /// Answers a question to an arena.
@@ -146,5 +169,39 @@ fn json<T: serde::Serialize>(value: &T) -> (Vec<u8>, Encoding) {
 fn tell(query: &Query, sent: zenoh::Result<()>) {
     if let Err(e) = sent {
         tracing::debug!("{} could not be answered: {e}", query.key_expr());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+    use std::sync::mpsc::channel;
+
+    const PATIENCE: Duration = Duration::from_secs(60);
+
+    #[test]
+    fn an_answer_that_nobody_takes_holds_up_no_other() {
+        let (queue, waiting) = sync_channel(MAX_WAITING);
+        let (way_on, way) = channel::<()>();
+        let (told, heard) = channel();
+        let way = Mutex::new(way);
+        let ended = one_by_one(waiting, move |number: usize| {
+            if number % 2 == 0 {
+                way.lock().unwrap().recv_timeout(PATIENCE).unwrap();
+            }
+            told.send(number).unwrap();
+        })
+        .unwrap();
+        (0..4).for_each(|number| queue.send(number).unwrap());
+        // Those who take theirs have them while the others' are stuck.
+        let quick = [heard.recv_timeout(PATIENCE).unwrap(), heard.recv_timeout(PATIENCE).unwrap()];
+        assert_eq!(quick, [1, 3]);
+        (0..2).for_each(|_| way_on.send(()).unwrap());
+        let mut late = [heard.recv_timeout(PATIENCE).unwrap(), heard.recv_timeout(PATIENCE).unwrap()];
+        late.sort_unstable();
+        assert_eq!(late, [0, 2]);
+        drop(queue);
+        assert!(ended.recv_timeout(PATIENCE).is_err(), "it says nothing and ends");
     }
 }

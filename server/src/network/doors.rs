@@ -38,7 +38,7 @@ impl Doors {
     /// Declares what a process is asked; `list` is called for each question, and commands come out of the receiver.
     pub fn declare(
         link: &Link,
-        list: impl Fn() -> Arenas + Send + 'static,
+        list: impl Fn() -> Arenas + Send + Sync + 'static,
     ) -> Result<(Self, Receiver<Job>), NetworkError> {
         let (answers, answered) = Answers::start(move |query, said| match said {
             Said::Reply(reply) => send_json(query, &reply),

@@ -10,7 +10,7 @@
 //! | `driving` | players: claims, drive messages and acknowledgements |
 //! | `budget` | how many commands and questions one source may send |
 //! | `throttle` | whoever is refused is read more slowly |
-//! | `answers` | everything that is answered, on a thread of its own |
+//! | `answers` | everything that is answered, on threads of its own |
 //! | `readers` | who reads the states, as they say themselves |
 //! | `outlet` | one stream going out, numbered and counted |
 //! | `publisher` | states, hits and statistics going out, on a thread of its own |
