@@ -38,6 +38,10 @@ impl Controller {
 
     /// Every event up to and including `time`.
     pub(super) fn run_to(&mut self, time: Time) {
+        if self.fetches() { self.run::<true>(time) } else { self.run::<false>(time) }
+    }
+
+    fn run<const FETCH: bool>(&mut self, time: Time) {
         loop {
             let (ball, next) = self.queue.first();
             let next = *next;
@@ -46,6 +50,9 @@ impl Controller {
                 break;
             }
             self.open_instant(next.time);
+            if FETCH {
+                self.fetch_ahead(next.time);
+            }
             if self.is_shard() {
                 self.take_in_shard(ball, &next);
                 continue;

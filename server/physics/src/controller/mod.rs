@@ -8,6 +8,7 @@
 //! | next arcs, several at once | `prepare` |
 //! | landing on hits | `approach` |
 //! | hits, several at once | `foresee` |
+//! | memory, asked for ahead | `fetch` |
 //! | a hit of two | `bounce` |
 //! | a hit, whoever else touches | `collide` |
 //! | a push, a held force | `steer` |
@@ -24,6 +25,7 @@ mod approach;
 mod bounce;
 pub mod checkpoint;
 mod collide;
+mod fetch;
 mod foresee;
 mod ledger;
 mod load;
@@ -151,6 +153,7 @@ struct Work {
     /// Whom a search found.
     found: Vec<predict::Encounter>,
     foresight: foresee::Foresight,
+    fetch: fetch::Fetch,
     /// Whether several balls can be computed side by side on this floor and this machine.
     side_by_side: bool,
 }
@@ -158,13 +161,14 @@ struct Work {
 /// A copy has as much room, empty: a run that begins as a copy must not take memory at its first hit.
 impl Clone for Work {
     fn clone(&self) -> Self {
-        let Self { ahead, foresight, side_by_side, .. } = self;
+        let Self { ahead, foresight, fetch, side_by_side, .. } = self;
         Self {
             scratch: Scratch::with_room(CLUSTER_MAX + 1),
             cluster: Some(Box::new(collide::Cluster::new())),
             ahead: ahead.clone(),
             found: Vec::with_capacity(FOUND),
             foresight: foresight.clone(),
+            fetch: fetch.clone(),
             side_by_side: *side_by_side,
         }
     }
@@ -179,6 +183,7 @@ impl Work {
             ahead: prepare::Ahead::new(balls, width),
             found: Vec::with_capacity(FOUND),
             foresight: foresee::Foresight::new(balls, width),
+            fetch: fetch::Fetch::new(balls),
             side_by_side: width > 1,
         }
     }

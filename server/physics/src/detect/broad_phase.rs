@@ -9,6 +9,7 @@
 
 use crate::tolerance::{GRID_CELL_RADII, GRID_CELLS_PER_BALL, WINDOW_FLOOR_SHARE, WINDOW_TRAVEL};
 use nalgebra::Vector3;
+use prefetch_index::prefetch_index;
 
 /// Most balls that a search looks at together: several times what a search in a crowd finds.
 const BATCH: usize = 64;
@@ -162,6 +163,39 @@ impl BroadPhase {
         }
     }
 
+    /// Asks memory for what is filed of a ball.
+    #[inline]
+    pub fn prefetch(&self, ball: usize) {
+        prefetch_index(&self.filed, ball);
+        prefetch_index(&self.next, ball);
+    }
+
+    /// Asks memory for the cells around `bounds` among balls of the class of `ball`.
+    pub fn prefetch_cells(&self, ball: usize, bounds: &Bounds) {
+        self.cells_around(ball, bounds, |cells| {
+            prefetch_index(cells, 0);
+            prefetch_index(cells, cells.len() - 1);
+        });
+    }
+
+    /// Asks memory for what is filed of the first ball of each of those cells.
+    pub fn prefetch_firsts(&self, ball: usize, bounds: &Bounds) {
+        self.cells_around(ball, bounds, |cells| {
+            for first in cells {
+                // An address that there is not would be looked for in vain.
+                self.prefetch(if *first == NOBODY { ball } else { *first as usize });
+            }
+        });
+    }
+
+    fn cells_around(&self, ball: usize, bounds: &Bounds, mut visit: impl FnMut(&[u32])) {
+        let grid = &self.grids[usize::from(self.filed[ball].class)];
+        let (columns, [j0, j1]) = grid.around(bounds);
+        for j in j0..=j1 {
+            grid.row(j, columns).into_iter().filter(|cells| !cells.is_empty()).for_each(&mut visit);
+        }
+    }
+
     /// Calls `visit` for every other ball whose bounds meet those of `ball`, in no particular order.
     #[inline]
     pub fn neighbours(&self, ball: usize, mut visit: impl FnMut(usize)) {
@@ -171,13 +205,7 @@ impl BroadPhase {
         let mine = self.filed[ball].bounds;
         let mut batch = Batch { balls: [NOBODY; BATCH], count: 0 };
         for grid in &self.grids {
-            let [(i0, i1), (j0, j1)] = [0, 1].map(|axis| {
-                let low = grid.index(axis, mine[axis] - grid.reach);
-                let high = grid.index(axis, mine[axis + 2] + grid.reach);
-                // Once around the torus is everywhere.
-                (low, high.min(low.saturating_add(grid.cells[axis] - 1)))
-            });
-            let columns = [i0, i1].map(|i| (i & (grid.cells[0] - 1)) as usize);
+            let (columns, [j0, j1]) = grid.around(&mine);
             for j in j0..=j1 {
                 for cells in grid.row(j, columns) {
                     for some in cells.chunks(BATCH / 4) {
@@ -293,6 +321,18 @@ impl Grid {
         let place = (x - self.origin[axis]) * self.inverse_size;
         (place.clamp(-FARTHEST, FARTHEST) + INTEGERS).to_bits().cast_signed()
             - INTEGERS.to_bits().cast_signed()
+    }
+
+    /// First and last column and row where a search within `bounds` looks.
+    #[inline]
+    fn around(&self, bounds: &Bounds) -> ([usize; 2], [i64; 2]) {
+        let [(i0, i1), (j0, j1)] = [0, 1].map(|axis| {
+            let low = self.index(axis, bounds[axis] - self.reach);
+            let high = self.index(axis, bounds[axis + 2] + self.reach);
+            // Once around the torus is everywhere.
+            (low, high.min(low.saturating_add(self.cells[axis] - 1)))
+        });
+        ([i0, i1].map(|i| (i & (self.cells[0] - 1)) as usize), [j0, j1])
     }
 
     /// Cells of row `j` from one column to another, around the torus if that comes before: up to two runs.

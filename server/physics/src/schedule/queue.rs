@@ -6,9 +6,13 @@
 use super::clearance::Clearance;
 use super::event::Next;
 use super::time::Time;
+use prefetch_index::prefetch_index;
 
 /// Entries of a match.
 const FOUR: usize = 4;
+
+/// Rounds that [`Queue::between`] leaves: 64 to 256 take part in the first of them.
+const LAST_ROUNDS: usize = 4;
 
 /// A tournament over the balls' next events.
 #[derive(Clone, Debug)]
@@ -88,6 +92,30 @@ impl Queue {
     #[inline]
     pub fn set_alone(&mut self, ball: usize, alone: Clearance) {
         self.coming[ball].alone = alone;
+    }
+
+    /// Asks memory for what comes for a ball, and for its first matches.
+    #[inline]
+    pub fn prefetch(&self, ball: usize) {
+        prefetch_index(&self.coming, ball);
+        prefetch_index(&self.matches, ball / FOUR);
+        if let Some(round) = self.rounds.get(1) {
+            prefetch_index(&self.matches, round + ball / (FOUR * FOUR));
+        }
+    }
+
+    /// Visits those whose events come after one time and up to another, both rounded down, but for who is beaten by one of
+    /// them before the last rounds: of a few events among many balls nearly all.
+    pub fn between(&self, after: u64, until: u64, mut visit: impl FnMut(usize)) {
+        let round = self.rounds.len().saturating_sub(LAST_ROUNDS);
+        let end = self.rounds.get(round + 1).copied().unwrap_or(self.matches.len());
+        for all in &self.matches[self.rounds[round]..end] {
+            for (rounded, ball) in all.rounded.iter().zip(&all.balls) {
+                if after < *rounded && *rounded <= until && *ball != u32::MAX {
+                    visit(*ball as usize);
+                }
+            }
+        }
     }
 
     /// Sets what comes next for a ball.
@@ -239,6 +267,28 @@ mod tests {
                 assert_eq!(*queue.of(ball), next);
                 assert_same(&queue, &plain);
             }
+        }
+    }
+
+    #[test]
+    fn who_comes_within_a_short_time_is_mostly_found() {
+        for balls in SIZES {
+            let mut queue = Queue::new(balls);
+            let mut random = Random(balls as u64 + 7);
+            let mut times: Vec<u64> = Vec::new();
+            for ball in 0..balls {
+                let time = Time::ZERO.after(random.below(1 << 30) as f64 / f64::from(1 << 30));
+                queue.set(ball, Next { time, what: What::Renew });
+                times.push(time.rounded_down());
+            }
+            let mut sorted = times.clone();
+            sorted.sort_unstable();
+            let (after, until) = (sorted[balls.min(6) - 1], sorted[balls.min(12) - 1]);
+            let mut found = Vec::new();
+            queue.between(after, until, |ball| found.push(ball));
+            assert!(found.iter().all(|ball| after < times[*ball] && times[*ball] <= until), "of {balls}");
+            let there = times.iter().filter(|time| after < **time && **time <= until).count();
+            assert!(found.len() <= there && 2 * found.len() >= there, "{} of {there}", found.len());
         }
     }
 

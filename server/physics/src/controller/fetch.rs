@@ -1,0 +1,152 @@
+//! Memory asked for ahead of its use.
+//!
+//! Beyond some ten thousand balls an event waits mostly for memory: for its ball, then for the cells around it, then for who
+//! is in them, one after another. The queue tells who is next but a few events, and what these will read is asked for in
+//! those three steps, each two events after the one before. Nothing is read into a result: a wrong guess costs time only.
+
+use super::Controller;
+use crate::detect::broad_phase::Bounds;
+use crate::motion::arc::Arc;
+use crate::motion::step::TERMS;
+use crate::schedule::event::What;
+use crate::schedule::time::Time;
+use prefetch_index::prefetch_index;
+
+/// Balls from which on it pays: less stays in the processor's own memory.
+const BALLS_MIN: usize = 16_384;
+/// Events from one look at the queue to the next.
+const EVENTS: u32 = 6;
+/// Most balls looked after at once: some are found beyond the expected [`EVENTS`].
+const MOST: usize = 4 * EVENTS as usize;
+
+/// Whose memory is being asked for.
+#[derive(Clone, Debug)]
+pub(super) struct Fetch {
+    pays: bool,
+    /// Events since the last look at the queue, and when that was.
+    events: u32,
+    looked: u64,
+    balls: [u32; MOST],
+    /// Where each ball will search, about.
+    bounds: [Bounds; MOST],
+    count: usize,
+}
+
+impl Fetch {
+    /// For so many balls.
+    pub(super) const fn new(balls: usize) -> Self {
+        let pays = balls >= BALLS_MIN;
+        Self { pays, events: 0, looked: 0, balls: [0; MOST], bounds: [[0.0; 4]; MOST], count: 0 }
+    }
+}
+
+impl Controller {
+    /// Whether that pays here.
+    pub(super) const fn fetches(&self) -> bool {
+        self.work.fetch.pays
+    }
+
+    /// An event begins: asks for what later ones will read.
+    #[inline(never)]
+    pub(super) fn fetch_ahead(&mut self, now: Time) {
+        let event = self.work.fetch.events;
+        self.work.fetch.events = (event + 1) % EVENTS;
+        match event {
+            0 => self.fetch_balls(now.rounded_down()),
+            2 => self.fetch_cells(),
+            4 => self.fetch_neighbours(),
+            _ => {}
+        }
+    }
+
+    /// Chooses those whose turn comes after the next [`EVENTS`], which take about as long as the last, and asks for what is
+    /// kept of each.
+    fn fetch_balls(&mut self, now: u64) {
+        let is_flat = self.surface.is_flat();
+        let Self { queue, arcs, balls, broad_phase, work, .. } = self;
+        let fetch = &mut work.fetch;
+        let lasted = now.saturating_sub(std::mem::replace(&mut fetch.looked, now));
+        let from = now.saturating_add(lasted);
+        fetch.count = 0;
+        queue.between(from, from.saturating_add(lasted), |ball| {
+            if fetch.count < MOST {
+                fetch.balls[fetch.count] = ball as u32;
+                fetch.count += 1;
+                queue.prefetch(ball);
+                broad_phase.prefetch(ball);
+                prefetch_index(&*balls, ball);
+                prefetch_front(&arcs[ball], is_flat);
+            }
+        });
+    }
+
+    /// Asks for the cells in which each will search, and for the rest of the arcs of those who hit.
+    fn fetch_cells(&mut self) {
+        let is_flat = self.surface.is_flat();
+        let Self { queue, arcs, balls, broad_phase, work, .. } = self;
+        let fetch = &mut work.fetch;
+        for (ball, bounds) in fetch.balls[..fetch.count].iter().zip(&mut fetch.bounds) {
+            let ball = *ball as usize;
+            *bounds = *broad_phase.bounds_of(ball);
+            let other = match queue.of(ball).what {
+                What::Ball { other, .. } => Some(other as usize),
+                What::Wall { .. } => Some(ball),
+                What::Renew => None,
+            };
+            if let Some(other) = other {
+                queue.prefetch(other);
+                broad_phase.prefetch(other);
+                prefetch_index(&*balls, other);
+                for ball in [ball, other] {
+                    prefetch_front(&arcs[ball], is_flat);
+                    prefetch_rest(&arcs[ball], is_flat);
+                }
+            } else {
+                move_on(bounds, &arcs[ball]);
+            }
+            broad_phase.prefetch_cells(ball, bounds);
+        }
+    }
+
+    /// Asks for whom each may meet.
+    fn fetch_neighbours(&self) {
+        let fetch = &self.work.fetch;
+        for (ball, bounds) in fetch.balls[..fetch.count].iter().zip(&fetch.bounds) {
+            self.broad_phase.prefetch_firsts(*ball as usize, bounds);
+        }
+    }
+}
+
+/// Moves the bounds of a window to where those of the next will be, about.
+fn move_on(bounds: &mut Bounds, arc: &Arc) {
+    for axis in 0..2 {
+        let far = bounds[axis + 2] - bounds[axis] - 2.0 * arc.radius;
+        let far = far.copysign(arc.center[1][axis]);
+        bounds[axis] += far;
+        bounds[axis + 2] += far;
+    }
+}
+
+/// What a search asks of an arc, line by line of cache.
+#[inline]
+fn prefetch_front(arc: &Arc, is_flat: bool) {
+    prefetch_index(std::slice::from_ref(arc), 0);
+    prefetch_index(arc.center.as_slice(), 1);
+    if !is_flat {
+        prefetch_index(arc.center.as_slice(), 4);
+        prefetch_index(arc.center.as_slice(), 6);
+    }
+}
+
+/// The rest, which a hit reads and writes.
+#[inline]
+fn prefetch_rest(arc: &Arc, is_flat: bool) {
+    prefetch_index(arc.state.as_slice(), 0);
+    if !is_flat {
+        for term in 0..TERMS {
+            prefetch_index(arc.dense.as_slice(), term);
+        }
+        prefetch_index(arc.end.as_slice(), 0);
+        prefetch_index(arc.turning.turn.as_slice(), 0);
+    }
+}
