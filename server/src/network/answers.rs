@@ -178,7 +178,7 @@ mod tests {
     use std::sync::Mutex;
     use std::sync::mpsc::channel;
 
-    const PATIENCE: Duration = Duration::from_secs(60);
+    const PATIENCE: Duration = Duration::from_mins(1);
 
     #[test]
     fn an_answer_that_nobody_takes_holds_up_no_other() {
@@ -187,7 +187,7 @@ mod tests {
         let (told, heard) = channel();
         let way = Mutex::new(way);
         let ended = one_by_one(waiting, move |number: usize| {
-            if number % 2 == 0 {
+            if number.is_multiple_of(2) {
                 way.lock().unwrap().recv_timeout(PATIENCE).unwrap();
             }
             told.send(number).unwrap();
