@@ -5,7 +5,7 @@ use crate::arenas::MAX_RECORDINGS;
 use crate::checker::MAX_CHECKS;
 use crate::history::{MAX_POINTS, MAX_SLOT_BYTES};
 use crate::inbox::INBOX_CAPACITY;
-use crate::network::{MAX_SESSIONS, REFUSED_PER_S};
+use crate::network::{ANSWERS_PER_S, MAX_SESSIONS, PRESSES_PER_S, REFUSED_PER_S, WHOLE_BYTES_PER_S};
 use crate::players::{DRIVES_PER_S, MESSAGES_PER_S};
 use crate::scene_file::{SceneText, built_in_names};
 use crate::workshop::MAX_JOBS;
@@ -52,9 +52,10 @@ pub fn features() -> Features {
     let queue = ("max_waiting", INBOX_CAPACITY as f64);
     let jobs = ("max_waiting", MAX_JOBS as f64);
     let (short, long) = (("max_bytes", MAX_COMMAND_BYTES as f64), ("max_bytes", MAX_REQUEST_BYTES as f64));
+    let whole = ("max_bytes_per_s_of_all", WHOLE_BYTES_PER_S);
     let rates = ("max_tick_rate_hz", f64::from(*TICK_RATES_HZ.end()));
     let commands = [
-        ("steer", of(&[queue, short])),
+        ("steer", of(&[queue, short, ("max_presses_per_s", PRESSES_PER_S)])),
         ("pause", of(&[queue, short])),
         ("resume", of(&[queue, short])),
         ("set_state", of(&[jobs, short])),
@@ -88,7 +89,7 @@ pub fn features() -> Features {
         ("max_commands_per_s", DRIVES_PER_S),
     ];
     let questions = [
-        ("snapshot", of(&[])),
+        ("snapshot", of(&[whole])),
         ("scene", of(&[])),
         ("stats", of(&[])),
         ("info", of(&[])),
@@ -97,7 +98,7 @@ pub fn features() -> Features {
         ("scenes", of(&[])),
         ("parameters", of(&[])),
         ("slots", of(&[])),
-        ("checkpoint", of(&[])),
+        ("checkpoint", of(&[whole])),
         ("balls", of(&[("max_rows", MAX_ROWS as f64)])),
         ("players", of(&[])),
         ("release", of(&[("max_bytes", MAX_CLAIM_BYTES as f64)])),
@@ -113,6 +114,8 @@ pub fn features() -> Features {
                 long,
                 ("max_clients", MAX_SESSIONS as f64),
                 ("max_refused_per_s_of_a_client", REFUSED_PER_S),
+                ("max_commands_per_s_of_all", ANSWERS_PER_S),
+                ("max_questions_per_s_of_all", ANSWERS_PER_S),
                 ("max_arenas", MAX_ARENAS as f64),
                 ("max_recordings", MAX_RECORDINGS as f64),
             ]),

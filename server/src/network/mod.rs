@@ -28,6 +28,7 @@ mod session;
 mod threads;
 mod throttle;
 
+pub use budget::{ANSWERS_PER_S, PRESSES_PER_S};
 pub use session::MAX_SESSIONS;
 pub use threads::begin_with_enough_threads;
 pub use throttle::REFUSED_PER_S;

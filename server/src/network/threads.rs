@@ -17,17 +17,15 @@ const VARIABLE: &str = "ZENOH_RUNTIME";
 /// One for each client that may be given up at once, and the usual ones.
 const READING_THREADS: usize = MAX_SESSIONS + 2;
 const SENDING_THREADS: usize = MAX_SESSIONS + 1;
-/// These begin only when there is need.
-const RESTING_THREADS: usize = MAX_SESSIONS + 50;
-/// These too.
-const WAITING_THREADS: usize = MAX_SESSIONS + 50;
+/// Links that rest, or states that wait. These begin only when there is need.
+const BLOCKED_THREADS: usize = MAX_SESSIONS + 50;
 
 /// The value of the variable.
 fn enough() -> String {
     format!(
-        "(rx: (worker_threads: {READING_THREADS}, max_blocking_threads: {RESTING_THREADS}), \
+        "(rx: (worker_threads: {READING_THREADS}, max_blocking_threads: {BLOCKED_THREADS}), \
          tx: (worker_threads: {SENDING_THREADS}), \
-         net: (max_blocking_threads: {WAITING_THREADS}))"
+         net: (max_blocking_threads: {BLOCKED_THREADS}))"
     )
 }
 

@@ -62,8 +62,7 @@ impl Controller {
     /// Chooses those whose turn comes after the next [`EVENTS`], which take about as long as the last, and asks for what is
     /// kept of each.
     fn fetch_balls(&mut self, now: u64) {
-        let is_flat = self.surface.is_flat();
-        let Self { queue, arcs, balls, broad_phase, work, .. } = self;
+        let Self { queue, work, .. } = self;
         let fetch = &mut work.fetch;
         let lasted = now.saturating_sub(std::mem::replace(&mut fetch.looked, now));
         let from = now.saturating_add(lasted);
@@ -72,39 +71,38 @@ impl Controller {
             if fetch.count < MOST {
                 fetch.balls[fetch.count] = ball as u32;
                 fetch.count += 1;
-                queue.prefetch(ball);
-                broad_phase.prefetch(ball);
-                prefetch_index(&*balls, ball);
-                prefetch_front(&arcs[ball], is_flat);
             }
         });
+        for ball in &self.work.fetch.balls[..self.work.fetch.count] {
+            self.fetch_ball(*ball as usize);
+        }
     }
 
-    /// Asks for the cells in which each will search, and for the rest of the arcs of those who hit.
+    /// Asks for what every event of a ball reads of it.
+    fn fetch_ball(&self, ball: usize) {
+        self.queue.prefetch(ball);
+        self.broad_phase.prefetch(ball);
+        prefetch_index(&self.balls, ball);
+        prefetch_front(&self.arcs[ball], self.surface.is_flat());
+    }
+
+    /// Asks for the cells in which each will search, for whom it will hit, and for the rest of the arcs of those who hit.
     fn fetch_cells(&mut self) {
         let is_flat = self.surface.is_flat();
-        let Self { queue, arcs, balls, broad_phase, work, .. } = self;
-        let fetch = &mut work.fetch;
-        for (ball, bounds) in fetch.balls[..fetch.count].iter().zip(&mut fetch.bounds) {
-            let ball = *ball as usize;
-            *bounds = *broad_phase.bounds_of(ball);
-            let other = match queue.of(ball).what {
-                What::Ball { other, .. } => Some(other as usize),
-                What::Wall { .. } => Some(ball),
-                What::Renew => None,
-            };
-            if let Some(other) = other {
-                queue.prefetch(other);
-                broad_phase.prefetch(other);
-                prefetch_index(&*balls, other);
-                for ball in [ball, other] {
-                    prefetch_front(&arcs[ball], is_flat);
-                    prefetch_rest(&arcs[ball], is_flat);
+        for place in 0..self.work.fetch.count {
+            let ball = self.work.fetch.balls[place] as usize;
+            let mut bounds = *self.broad_phase.bounds_of(ball);
+            match self.queue.of(ball).what {
+                What::Ball { other, .. } => {
+                    self.fetch_ball(other as usize);
+                    prefetch_rest(&self.arcs[ball], is_flat);
+                    prefetch_rest(&self.arcs[other as usize], is_flat);
                 }
-            } else {
-                move_on(bounds, &arcs[ball]);
+                What::Wall { .. } => prefetch_rest(&self.arcs[ball], is_flat),
+                What::Renew => move_on(&mut bounds, &self.arcs[ball]),
             }
-            broad_phase.prefetch_cells(ball, bounds);
+            self.broad_phase.prefetch_cells(ball, &bounds);
+            self.work.fetch.bounds[place] = bounds;
         }
     }
 
@@ -148,5 +146,28 @@ fn prefetch_rest(arc: &Arc, is_flat: bool) {
         }
         prefetch_index(arc.end.as_slice(), 0);
         prefetch_index(arc.turning.turn.as_slice(), 0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::foresee::tests::crowd;
+    use super::*;
+
+    #[test]
+    fn asking_for_memory_changes_no_bit() {
+        let mut without = Controller::new(&crowd(9)).expect("a scene");
+        let mut with = without.clone();
+        assert!(!without.fetches());
+        with.work.fetch.pays = true;
+        let mut asked = 0;
+        for tick in 1..=120 {
+            let time = Time::of_tick(tick, 60);
+            with.advance_to(time);
+            without.advance_to(time);
+            assert_eq!(with.state_hash(), without.state_hash(), "tick {tick}");
+            asked += with.work.fetch.count;
+        }
+        assert!(asked > 120, "{asked}");
     }
 }

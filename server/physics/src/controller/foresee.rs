@@ -336,13 +336,13 @@ impl Controller {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::scene::{Accuracy, BallSpec, Floor, HIT_BUDGET, MotionLaw, Place, Scene, Wall};
     use nalgebra::Vector2;
 
     /// Balls in rows on a shallow bowl between walls, each with a velocity of its own.
-    fn crowd(rows: usize) -> Scene {
+    pub(in super::super) fn crowd(rows: usize) -> Scene {
         let wall = |x: f64, y: f64| {
             let normal = Vector2::new(-x, -y);
             Wall { point: -1.3 * normal, normal }
