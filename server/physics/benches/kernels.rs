@@ -10,7 +10,7 @@ mod results;
 use ballroom_cases::scenes::walls;
 use ballroom_physics::motion::arc::Arc;
 use ballroom_physics::motion::body::{Body, Stepping};
-use ballroom_physics::motion::follow::{self, Followed};
+use ballroom_physics::motion::follow;
 use ballroom_physics::motion::together::{self, Landing, Launch, Seat};
 use ballroom_physics::surface::bezier::BezierPatch;
 use ballroom_physics::surface::chart::Surface;
@@ -237,8 +237,7 @@ impl Free {
                 for (course, Launch { arc, .. }) in courses.iter_mut().zip(group.iter().flatten()) {
                     *course = Some((&arc.turning, arc.length / arc.scale));
                 }
-                let (courses, mut followed) = (&courses[..group.len()], [Followed::NONE; GROUP]);
-                follow::orientations(courses, &mut followed[..group.len()], &mut q[..group.len()]);
+                follow::orientations(&courses[..group.len()], &mut [], &mut q[..group.len()]);
                 for (Launch { arc, .. }, q) in group.iter_mut().flatten().zip(q) {
                     (arc.start, arc.state, arc.turning.start) = (arc.finish(), arc.end, q);
                 }

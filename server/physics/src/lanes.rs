@@ -52,6 +52,19 @@ impl<S: Simd> Number for Lanes<S> {
         let less = self.simd.less_than_f64s(self.values, than.values);
         Self { simd: self.simd, values: self.simd.select_f64s(less, then.values, other.values) }
     }
+    #[inline(always)]
+    fn turn_over([a, b, c, d]: [Self; 4], mut put: impl FnMut(usize, &[f64; 4])) {
+        let simd = a.simd;
+        // The library chooses the order: what becomes of the lanes' own numbers tells it.
+        let number = Self::new(simd, |lane| lane as f64).values;
+        let order = simd.interleave_shfl_f64s([number; 4]);
+        let turned = simd.interleave_shfl_f64s([a.values, b.values, c.values, d.values]);
+        let order: &[[f64; 4]] = cast_slice(cast_slice::<S::f64s, f64>(&order));
+        let turned: &[[f64; 4]] = cast_slice(cast_slice::<S::f64s, f64>(&turned));
+        for (lane, four) in order.iter().zip(turned) {
+            put(lane[0] as usize, four);
+        }
+    }
 }
 
 impl<S: Simd> Add for Lanes<S> {

@@ -25,6 +25,8 @@ pub trait Number:
     /// `then` in the lanes where this is less than `than`, else `other`.
     #[must_use]
     fn where_less(self, than: Self, then: Self, other: Self) -> Self;
+    /// Gives `put` every lane and its part of four rows, in no particular order.
+    fn turn_over(rows: [Self; 4], put: impl FnMut(usize, &[f64; 4]));
 }
 
 impl Number for f64 {
@@ -39,6 +41,10 @@ impl Number for f64 {
     #[inline(always)]
     fn where_less(self, than: Self, then: Self, other: Self) -> Self {
         if self < than { then } else { other }
+    }
+    #[inline(always)]
+    fn turn_over(rows: [Self; 4], mut put: impl FnMut(usize, &[f64; 4])) {
+        put(0, &rows);
     }
 }
 

@@ -11,7 +11,7 @@ use super::prepare::Prepared;
 use crate::diagnostics::HitPartner;
 use crate::lanes::LANES_MAX;
 use crate::motion::arc::{Arc, Path};
-use crate::motion::follow::{Followed, orientations};
+use crate::motion::follow::orientations;
 use crate::motion::law::State;
 use crate::schedule::calendar::Calendar;
 use crate::schedule::event::What;
@@ -311,7 +311,7 @@ impl Controller {
             }
         }
         let mut q = [[0.0; 4]; LANES_MAX];
-        orientations(&looks[..count], &mut [Followed::NONE; LANES_MAX][..count], &mut q[..count]);
+        orientations(&looks[..count], &mut [], &mut q[..count]);
         for ((place, k), q) in of[..count].iter().zip(q) {
             list[*place].orientation[*k] = q;
         }

@@ -10,7 +10,7 @@ use super::foresee::Origin;
 use crate::lanes::LANES_MAX;
 use crate::motion::arc::{Arc, Path};
 use crate::motion::body::{Body, Stepping};
-use crate::motion::follow::{Followed, orientations};
+use crate::motion::follow::orientations;
 use crate::motion::law::State;
 use crate::motion::together::{self, Launch};
 use crate::schedule::event::What;
@@ -210,7 +210,7 @@ impl Controller {
             *course = Some((turning, next.arc.start.since(*start) / scale));
         }
         let (count, mut q) = (group.len(), [[0.0; 4]; LANES_MAX]);
-        orientations(&courses[..count], &mut [Followed::NONE; LANES_MAX][..count], &mut q[..count]);
+        orientations(&courses[..count], &mut [], &mut q[..count]);
         for (next, q) in group.iter_mut().zip(q) {
             next.turned = Some((self.origin(next.ball), q));
         }

@@ -5,13 +5,12 @@
 
 use super::body::Body;
 use super::law::{ROLLING, SLIDING, State, velocity};
-use super::rotation::{Sizes, Turning};
-use super::step::{REACTION_AT, Step, TERMS};
-use crate::number::Number;
+use super::rotation::Turning;
+use super::step::{REACTION_AT, TERMS};
 use crate::scene::Accuracy;
 use crate::schedule::time::Time;
 use crate::surface::chart::Surface;
-use crate::tolerance::{self, SANE};
+use crate::tolerance::SANE;
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -234,65 +233,6 @@ impl Arc {
         let cells = 64;
         let below = (0..cells).filter(|i| at((f64::from(*i) + 0.5) / f64::from(cells) * end) < 0.0).count();
         below as f64 / f64::from(cells) * end * self.scale
-    }
-
-    /// Takes over an integration step of `h` seconds, of which `pick` takes this ball's numbers.
-    #[inline(always)]
-    pub(super) fn fill<T: Copy, const D: usize>(
-        &mut self,
-        h: f64,
-        slope: &[T; D],
-        step: &Step<T, D>,
-        sizes: &StepSizes<T>,
-        accuracy: Accuracy,
-        pick: impl Fn(T) -> f64,
-    ) {
-        self.path = Path::Curved;
-        self.set_length(h);
-        self.scale = h;
-        let state = |of: &[T; D]| {
-            let mut out = [0.0; ROLLING];
-            for i in 0..D {
-                out[i] = pick(of[i]);
-            }
-            out
-        };
-        self.slope = state(slope);
-        self.end = state(&step.end);
-        for power in 0..TERMS {
-            self.dense[power] = state(&step.dense[power]);
-            self.center[power] = V3::from(step.center[power].0.map(&pick));
-        }
-        let turn = step.turn.map(|term| V3::from(term.0.map(&pick)));
-        let Sizes { length, across } = sizes.turn;
-        let turn_sizes = Sizes { length: length.map(&pick), across: across.map(&pick) };
-        let left_out = tolerance::turn_left_out(accuracy, h, self.radius);
-        self.turning.begin_sized(turn, &turn_sizes, left_out);
-        self.reaction = step.reaction.map(&pick);
-        self.acceleration_bound = pick(sizes.bending) / (h * h);
-    }
-}
-
-/// Sizes of a step's polynomials: what bounds are made of.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct StepSizes<T> {
-    /// Of the turn; of no meaning when sliding.
-    pub turn: Sizes<T>,
-    /// Bound of the centre's second derivative in theta, m.
-    pub bending: T,
-}
-
-impl<T: Number> StepSizes<T> {
-    #[inline(always)]
-    pub(super) fn of<const D: usize>(step: &Step<T, D>) -> Self {
-        let mut bending = step.center[2].norm() * 2.0;
-        for k in 3..TERMS {
-            bending = bending + step.center[k].norm() * (k * (k - 1)) as f64;
-        }
-        let nothing = [bending.like(0.0); TERMS];
-        let turn =
-            if D == ROLLING { Sizes::of(&step.turn) } else { Sizes { length: nothing, across: nothing } };
-        Self { turn, bending }
     }
 }
 

@@ -1,11 +1,12 @@
 //! A body: what moves a ball and does not change along an arc, and how it is launched, held and landed.
 
-use super::arc::{Arc, Path, StepSizes, narrow, widen};
+use super::arc::{Arc, Path, narrow, widen};
 use super::dop853::{self, Attempt, Inside};
 use super::law::{Law, ROLLING, SLIDING, Stand, State, angular_velocity, velocity};
 use super::low_order;
 use super::step::{Step, TERMS};
 use super::step_size;
+use super::take_over::take_over;
 use crate::number::Triple;
 use crate::scene::{Accuracy, Scheme};
 use crate::schedule::time::Time;
@@ -141,12 +142,12 @@ impl Body {
             if self.rolls {
                 let first = law.stand(state);
                 let (h, step) = step_by::<ROLLING, _>(&law, accuracy, state, &first, stepping);
-                arc.fill(h, &first.slope.rate, &step, &StepSizes::of(&step), accuracy, |x| x);
+                take_over(&mut [Some(arc)], &[h], &first.slope.rate, &step, accuracy);
             } else {
                 let y = narrow::<SLIDING>(state);
                 let first = law.stand(&y);
                 let (h, step) = step_by::<SLIDING, _>(&law, accuracy, &y, &first, stepping);
-                arc.fill(h, &first.slope.rate, &step, &StepSizes::of(&step), accuracy, |x| x);
+                take_over(&mut [Some(arc)], &[h], &first.slope.rate, &step, accuracy);
             }
         });
     }
@@ -260,7 +261,7 @@ fn step_by<const D: usize, C: Chart>(
     loop {
         let h = stepping.try_s;
         attempt_alone((&mut attempt, &mut inside), law, y, &first.slope.rate, h);
-        let error = dop853::error_estimate(h, first.stretch, first.precession, attempt.errors());
+        let error = dop853::error_estimate(h, first.stretch, first.precession, &attempt.errors());
         match stepping.judge(tolerance, error) {
             Verdict::Kept => return (h, finish_alone((&mut attempt, &mut inside), law, y, first, h)),
             Verdict::Refused => {}

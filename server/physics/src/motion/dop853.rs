@@ -172,34 +172,42 @@ impl<T: Number, const D: usize> Attempt<T, D> {
     }
 }
 
-/// The error of one ball's step in metres, from Hairer's estimates of order 5 and 3: an error of place counts with the floor's
+/// The error of a step in metres, from Hairer's estimates of order 5 and 3: an error of place counts with the floor's
 /// `stretch` at the start, one of velocity with [`ERROR_TIME`], or with the time of a turn by the spin's `precession` where
 /// that is less.
 ///
 /// One is to the other as h^2: `five * trust` goes with h^8 as in the source, and with one more square root of `trust` it
 /// would go with h^9 as the error itself. Half way between keeps what is obtained nearest to what is asked for from 1e-6 to
 /// 1e-12 m: errors of place grow with the number of steps, those of energy faster.
-pub fn error_estimate<const D: usize>(
-    h: f64,
-    [e, g]: [f64; 2],
-    precession: f64,
-    errors: [[f64; D]; 2],
-) -> f64 {
-    let turn = ERROR_TIME * precession;
-    let time_squared = ERROR_TIME * ERROR_TIME / (1.0 + turn * turn);
-    let [five, three] = errors.map(|sum| {
+#[inline(always)]
+pub fn error_estimate<T: Number, const D: usize>(
+    h: T,
+    [e, g]: [T; 2],
+    precession: T,
+    errors: &[[T; D]; 2],
+) -> T {
+    let turn = precession * ERROR_TIME;
+    let time_squared = h.like(ERROR_TIME * ERROR_TIME) / (turn * turn + h.like(1.0));
+    let mut squares = [h; 2];
+    for (square, sum) in squares.iter_mut().zip(errors) {
         let place = e * sum[0] * sum[0] + g * sum[1] * sum[1];
         let mut speed = sum[2] * sum[2] + sum[3] * sum[3] + sum[4] * sum[4];
         if D == ROLLING {
-            speed = speed.max(sum[5] * sum[5]);
+            speed = larger(speed, sum[5] * sum[5]);
         }
-        place.max(speed * time_squared)
-    });
-    if five == 0.0 {
-        return 0.0;
+        *square = larger(place, speed * time_squared);
     }
-    let trust = (five / (five + 0.01 * three)).sqrt();
-    h * five.sqrt() * trust * trust.sqrt().sqrt()
+    let [five, three] = squares;
+    let trust = (five / (five + three * 0.01)).sqrt();
+    let error = h * five.sqrt() * trust * trust.sqrt().sqrt();
+    // No error at all is no quotient either.
+    five.where_less(h.like(f64::MIN_POSITIVE), h.like(0.0), error)
+}
+
+/// The larger of two numbers, or the first if that is none.
+#[inline(always)]
+fn larger<T: Number>(a: T, b: T) -> T {
+    a.where_less(b, b, a)
 }
 
 /// The dense output of a point whose slopes are `slopes`.

@@ -33,8 +33,8 @@ fn can_follow(balls: &[(&Turning, f64)]) -> bool {
     balls.iter().all(|(course, theta)| course.magnus && course.pieces > 0 && *theta > 0.0)
 }
 
-/// The orientations of at most as many balls as there are lanes, by [`Turning::at`] lane by lane. Lanes without a ball
-/// repeat the first.
+/// The orientations of at most as many balls as there are lanes, by [`Turning::at`] lane by lane, on from what was `followed`
+/// of each, or from the start. Lanes without a ball repeat the first.
 #[inline(always)]
 fn follow<S: Simd>(simd: S, balls: &[(&Turning, f64)], followed: &mut [Followed]) -> [Lanes<S>; 4] {
     let (mut thetas, mut lengths, mut wholes) = ([0.0; LANES_MAX], [0.0; LANES_MAX], [0; LANES_MAX]);
@@ -46,8 +46,11 @@ fn follow<S: Simd>(simd: S, balls: &[(&Turning, f64)], followed: &mut [Followed]
         let h = 1.0 / f64::from(course.pieces);
         let whole = (theta / h) as u32;
         (thetas[lane], lengths[lane], wholes[lane]) = (theta, h, whole);
-        followed[ball].begin(course, whole);
-        (done[lane], starts[lane]) = (followed[ball].pieces, followed[ball].orientation);
+        starts[lane] = course.start;
+        if let Some(followed) = followed.get_mut(ball) {
+            followed.begin(course, whole);
+            (done[lane], starts[lane]) = (followed.pieces, followed.orientation);
+        }
         most = most.max(whole - done[lane]);
         doublings_most = doublings_most.max(course.doublings);
     }
@@ -80,8 +83,11 @@ fn follow<S: Simd>(simd: S, balls: &[(&Turning, f64)], followed: &mut [Followed]
         followed.pieces = wholes[lane];
         followed.orientation = [q[0].lane(lane), q[1].lane(lane), q[2].lane(lane), q[3].lane(lane)];
     }
-    // The last piece is not whole, or none.
+    // The last piece is not whole, or none: an arc that is followed to its end has none.
     let from = whole * length;
+    if !(0..S::F64_LANES).any(|lane| from.lane(lane) < thetas[lane]) {
+        return unit(q);
+    }
     let h = theta - from;
     let next = compose(exponential(magnus(rate, from + half * h, h), Some(doublings), doublings_most), q);
     for part in 0..4 {
@@ -91,7 +97,7 @@ fn follow<S: Simd>(simd: S, balls: &[(&Turning, f64)], followed: &mut [Followed]
 }
 
 /// The orientation of each ball so far along its own course, in theta: the same numbers as of each alone, on from what was
-/// `followed` of it.
+/// `followed` of it. Who looks once follows nothing: an empty slice.
 pub fn orientations(balls: &[Option<(&Turning, f64)>], followed: &mut [Followed], out: &mut [[f64; 4]]) {
     Arch::new().dispatch(Orientations { balls, followed, out });
 }
@@ -108,8 +114,9 @@ impl WithSimd for Orientations<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { balls, followed, out } = self;
-        let groups = balls.chunks(S::F64_LANES).zip(followed.chunks_mut(S::F64_LANES));
-        for ((balls, followed), out) in groups.zip(out.chunks_mut(S::F64_LANES)) {
+        let mut followed = followed.chunks_mut(S::F64_LANES);
+        for (balls, out) in balls.chunks(S::F64_LANES).zip(out.chunks_mut(S::F64_LANES)) {
+            let followed = followed.next().unwrap_or_default();
             let Some(Some(one)) = balls.first() else { continue };
             let mut courses = [*one; LANES_MAX];
             for (course, ball) in courses.iter_mut().zip(balls.iter().flatten()) {

@@ -52,29 +52,21 @@ impl Turning {
 
     /// From the orientation `start` with another rate; Magnus steps in all, or each series, may leave out `left_out` rad.
     pub fn begin(&mut self, turn: [V3; TERMS], left_out: f64) {
-        self.begin_sized(turn, &Sizes::of(&turn.map(Triple::from)), left_out);
+        self.turn = turn;
+        self.plan(&Sizes::of(&turn.map(Triple::from)), left_out);
     }
 
-    /// The same, when the sizes of `turn` are known.
-    pub(super) fn begin_sized(&mut self, turn: [V3; TERMS], sizes: &Sizes<f64>, left_out: f64) {
-        if turn[1..].iter().all(|c| *c == V3::zeros()) {
-            self.rest(left_out);
-            self.turn[0] = turn[0];
+    /// Finds how the orientation is to follow the turn, whose `sizes` are known.
+    pub(super) fn plan(&mut self, sizes: &Sizes<f64>, left_out: f64) {
+        self.left_out = left_out;
+        if sizes.bend == 0.0 {
+            (self.magnus, self.pieces, self.doublings) = (true, 0, 0);
             return;
         }
-        self.turn = turn;
-        self.left_out = left_out;
-        let (series, steps) = (series_pieces(&turn, sizes), magnus_pieces(sizes, left_out));
+        let (series, steps) = (sizes.series_pieces(), sizes.magnus_pieces(left_out));
         self.magnus = steps <= TURN_STEPS_PER_SERIES * series;
         self.pieces = if self.magnus { steps } else { series };
-        let fastest: f64 = sizes.length.iter().enumerate().map(|(k, c)| k as f64 * c).sum();
-        self.doublings = doublings(fastest / f64::from(self.pieces.max(1)));
-    }
-
-    /// Keeps the orientation from now on, as that of a sliding ball, which is kept elsewhere.
-    pub(super) fn rest(&mut self, left_out: f64) {
-        self.turn = [V3::zeros(); TERMS];
-        (self.magnus, self.pieces, self.left_out) = (true, 0, left_out);
+        self.doublings = doublings(sizes.fastest / f64::from(self.pieces));
     }
 
     /// The orientation at `theta`.
@@ -113,14 +105,23 @@ impl Turning {
     }
 }
 
-/// Sizes of a turn's coefficients, rad, and of what of them lies across the first's direction.
+/// Sizes of a turn, rad.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sizes<T> {
-    pub length: [T; TERMS],
-    pub across: [T; TERMS],
+    /// Sum of its coefficients' lengths.
+    pub length: T,
+    /// Bound of its rate.
+    pub fastest: T,
+    /// Bound of what one Magnus step for the whole turn leaves out.
+    pub left_out: T,
+    /// What of its coefficients lies across the first's direction; 0 if the rate keeps its direction.
+    pub bend: T,
 }
 
 impl<T: Number> Sizes<T> {
+    /// The terms that a Magnus step of order 6 leaves out are brackets of seven orders of h in all. Each holds a term of the
+    /// rate, across the rate's first direction, and other terms for the rest of the orders; each bracket more has a smaller
+    /// weight.
     #[inline(always)]
     pub(super) fn of(turn: &[Triple<T>; TERMS]) -> Self {
         let first = turn[1].norm();
@@ -130,50 +131,57 @@ impl<T: Number> Sizes<T> {
         for i in 0..3 {
             axis.0[i] = axis.0[i] / divisor;
         }
-        for k in 0..TERMS {
+        for k in 2..TERMS {
             length[k] = turn[k].norm();
             across[k] = turn[k].cross(axis).norm();
         }
-        Self { length, across }
+        let mut sizes = Self { length: first, fastest: first, left_out: first, bend: across[2] };
+        for k in 2..TERMS {
+            sizes.length = sizes.length + length[k];
+            sizes.fastest = sizes.fastest + length[k] * k as f64;
+        }
+        let weighed = |k: usize| length[k] * TURN_BRACKET;
+        let [a, b, c, d, e] = [weighed(1), weighed(2), weighed(3), weighed(4), weighed(5)];
+        let rest = [
+            a,
+            a * a + b,
+            a * a * a + a * b + c,
+            a * a * a * a + a * a * b + b * b + a * c + d,
+            a * a * a * a * a + a * a * a * b + a * b * b + a * a * c + b * c + a * d + e,
+        ];
+        sizes.left_out = across[2] * rest[4];
+        for k in 3..7 {
+            sizes.left_out = sizes.left_out + across[k] * rest[6 - k];
+            sizes.bend = sizes.bend + across[k];
+        }
+        sizes.left_out = sizes.left_out * TURN_REMAINDER;
+        sizes.bend = sizes.bend + across[7];
+        sizes
+    }
+}
+
+impl Sizes<f64> {
+    /// Of a turn that has none.
+    pub(super) const NONE: Self = Self { length: 0.0, fastest: 0.0, left_out: 0.0, bend: 0.0 };
+
+    /// Pieces of about [`TURN_PIECE`].
+    fn series_pieces(&self) -> u32 {
+        (self.length / TURN_PIECE).ceil().clamp(1.0, TURN_PIECES_MAX) as u32
+    }
+
+    /// Magnus steps after which the error at theta = 1 is at most `allowed` rad.
+    fn magnus_pieces(&self, allowed: f64) -> u32 {
+        let mut pieces: u32 = 1;
+        while f64::from(pieces) < TURN_PIECES_MAX && self.left_out > allowed * f64::from(pieces).powi(6) {
+            pieces += pieces.div_ceil(4);
+        }
+        pieces
     }
 }
 
 /// The angle turned by `theta`.
 fn along(turn: &[V3; TERMS], theta: f64) -> V3 {
     turn[1..].iter().rev().fold(V3::zeros(), |sum, c| (sum + c) * theta)
-}
-
-/// Pieces of about [`TURN_PIECE`]; 0 if the rate keeps its direction.
-fn series_pieces(turn: &[V3; TERMS], sizes: &Sizes<f64>) -> u32 {
-    if turn[2..].iter().all(|c| c.cross(&turn[1]) == V3::zeros()) {
-        return 0;
-    }
-    let size: f64 = sizes.length[1..].iter().sum();
-    (size / TURN_PIECE).ceil().clamp(1.0, TURN_PIECES_MAX) as u32
-}
-
-/// Magnus steps after which the error at theta = 1 is at most `allowed` rad; 0 if the rate keeps its direction.
-///
-/// The terms that a step of order 6 leaves out are brackets of seven orders of h in all. Each holds a term of the rate,
-/// across the rate's first direction, and other terms for the rest of the orders; each bracket more has a smaller weight.
-fn magnus_pieces(Sizes { length, across }: &Sizes<f64>, allowed: f64) -> u32 {
-    if across[2..].iter().all(|x| *x == 0.0) {
-        return 0;
-    }
-    let [_, a, b, c, d, e, ..] = length.map(|c| TURN_BRACKET * c);
-    let rest = [
-        a,
-        a * a + b,
-        a * a * a + a * b + c,
-        a * a * a * a + a * a * b + b * b + a * c + d,
-        a * a * a * a * a + a * a * a * b + a * b * b + a * a * c + b * c + a * d + e,
-    ];
-    let left_out = TURN_REMAINDER * (2..7).map(|k| across[k] * rest[6 - k]).sum::<f64>();
-    let mut pieces: u32 = 1;
-    while f64::from(pieces) < TURN_PIECES_MAX && left_out > allowed * f64::from(pieces).powi(6) {
-        pieces += pieces.div_ceil(4);
-    }
-    pieces
 }
 
 /// Magnus steps one after the other; their rotations are computed side by side.
@@ -469,7 +477,7 @@ pub(super) mod tests {
                 let (pieces, magnus) = (turning.pieces, turning.magnus);
                 turning.begin(turn, 1e-16);
                 turning.magnus = false;
-                turning.pieces = series_pieces(&turn, &Sizes::of(&turn.map(Triple::from)));
+                turning.pieces = Sizes::of(&turn.map(Triple::from)).series_pieces();
                 let fine = turning.at(1.0);
                 let apart = (0..4).map(|i| (quick[i] - fine[i]).abs()).fold(0.0, f64::max) * 2.0;
                 // Each series may leave as much out, and rounding grows with the pieces and the angle.

@@ -1,11 +1,12 @@
 //! Several balls' steps side by side: a single right-hand side waits for its own results most of the time, and as many
 //! balls as the machine has lanes take hardly longer than one. Every bit is that of the ball alone.
 
-use super::arc::{Arc, Path, StepSizes, widen};
+use super::arc::{Arc, Path, widen};
 use super::body::{Body, Stepping, Verdict, not_finite};
 use super::dop853::{self, Attempt, Inside};
 use super::law::{Law, ROLLING, SLIDING, State};
 use super::look::on_plane;
+use super::take_over::take_over;
 use crate::lanes::{LANES_MAX, Lanes};
 use crate::number::Triple;
 use crate::scene::{Accuracy, Scheme};
@@ -131,34 +132,27 @@ fn launch_lanes<const D: usize, C: Chart, S: Simd>(
         }
         let h = Lanes::new(simd, |lane| tried[lane]);
         attempt.run(Some(&mut inside), &law, &y, &first.slope.rate, h);
-        let errors = attempt.errors();
+        let errors = dop853::error_estimate(h, first.stretch, first.precession, &attempt.errors());
         let mut kept = [false; LANES_MAX];
         for (lane, ball) in balls.iter_mut().flatten().enumerate() {
             if !waiting[lane] {
                 continue;
             }
-            let errors = [numbers(&errors[0], lane), numbers(&errors[1], lane)];
-            let stretch = numbers(&first.stretch, lane);
-            let precession = first.precession.lane(lane);
-            let error = dop853::error_estimate(tried[lane], stretch, precession, errors);
-            let verdict = ball.stepping.judge(tolerance, error);
+            let verdict = ball.stepping.judge(tolerance, errors.lane(lane));
             if verdict == Verdict::GivenUp {
-                let step = not_finite();
-                let sizes = StepSizes::of(&step);
-                ball.arc.fill::<_, D>(tried[lane], &[f64::NAN; D], &step, &sizes, accuracy, |x| x);
+                let arc = &mut [Some(&mut *ball.arc)];
+                take_over(arc, &[tried[lane]], &[f64::NAN; D], &not_finite(), accuracy);
             }
             kept[lane] = verdict == Verdict::Kept;
             waiting[lane] = verdict == Verdict::Refused;
         }
         if kept.contains(&true) {
             let step = attempt.finish(&mut inside, &law, &y, &first, h);
-            let sizes = StepSizes::of(&step);
+            let mut arcs = [const { None }; LANES_MAX];
             for (lane, ball) in balls.iter_mut().flatten().enumerate() {
-                if kept[lane] {
-                    let of_lane = |x: Lanes<S>| x.lane(lane);
-                    ball.arc.fill(tried[lane], &first.slope.rate, &step, &sizes, accuracy, of_lane);
-                }
+                arcs[lane] = kept[lane].then_some(&mut *ball.arc);
             }
+            take_over(&mut arcs, &tried, &first.slope.rate, &step, accuracy);
         }
     }
 }
