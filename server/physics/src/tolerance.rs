@@ -70,6 +70,9 @@ pub const WINDOW_TRAVEL: f64 = 2.0;
 /// The same over the floor's longer side, where that is more: a grain of dust would open a window every micrometre.
 /// More lets a crowd on a vast floor look at many neighbours, less makes dust slow.
 pub const WINDOW_FLOOR_SHARE: f64 = 1.0 / 65_536.0;
+/// Significant bits of a window's length: eight lengths an octave come within a sixteenth of the travel, and are exact
+/// fractions of a second.
+pub const WINDOW_BITS: u32 = 4;
 /// Longest window, s.
 pub const WINDOW_MAX: f64 = 1.0;
 /// Shortest window, s: 2^-40.
@@ -99,7 +102,8 @@ pub const GRID_CELL_RADII: [f64; 2] = [0.75, 2.5];
 /// Most cells a ball, rounded up to a power of two. Fewer let cells far apart share a list, more cost memory.
 pub const GRID_CELLS_PER_BALL: usize = 2;
 
-/// Gap below which balls count as touching when one of them is hit, in ulps of the larger coordinate.
+/// Gap below which balls count as touching when one of them is hit, in ulps of the largest coordinate there and where its arc
+/// begins.
 pub const TOUCH_ULPS: f64 = 4.0;
 /// The same on a curved floor, m per metre of coordinate: what integration leaves of an exact symmetry. A
 /// larger one would merge hits that are truly apart.

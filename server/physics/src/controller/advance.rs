@@ -38,7 +38,7 @@ impl Controller {
 
     /// Every event up to and including `time`.
     pub(super) fn run_to(&mut self, time: Time) {
-        if self.fetches() { self.run::<true>(time) } else { self.run::<false>(time) }
+        if self.work.fetch.pays() { self.run::<true>(time) } else { self.run::<false>(time) }
     }
 
     fn run<const FETCH: bool>(&mut self, time: Time) {
@@ -51,7 +51,7 @@ impl Controller {
             }
             self.open_instant(next.time);
             if FETCH {
-                self.fetch_ahead(next.time);
+                self.fetch_ahead(ball, next.time);
             }
             if self.is_shard() {
                 self.take_in_shard(ball, &next);
@@ -78,7 +78,7 @@ impl Controller {
 
     /// The window or the arc ends.
     fn renew(&mut self, ball: usize, time: Time) {
-        if self.balls[ball].drive.is_some() && time.offset() == 0.0 && self.steer_anew(ball, time) {
+        if self.arcs[ball].driven && time.offset() == 0.0 && self.steer_anew(ball, time) {
             return;
         }
         let arc = &self.arcs[ball];
@@ -135,7 +135,7 @@ impl Controller {
         let before = b.stepping.steps;
         b.body.launch(&self.surface, self.accuracy, (time, state), &mut b.stepping, &mut self.arcs[ball]);
         let steps = b.stepping.steps - before;
-        self.launched(ball, time, state, steps);
+        self.set_out_on(ball, (time, state), steps);
     }
 
     /// Puts two balls on new arcs at once: the same arcs.
@@ -156,22 +156,32 @@ impl Controller {
         together::launch(&self.surface, self.accuracy, &mut launches.map(Some));
         for ((ball, state), before) in pair.iter().zip(before) {
             let steps = self.balls[*ball].stepping.steps - before;
-            self.launched(*ball, time, state, steps);
+            self.set_out_on(*ball, (time, state), steps);
+        }
+    }
+
+    fn set_out_on(&mut self, ball: usize, (time, state): (Time, &State), steps: u64) {
+        self.launched(ball, steps);
+        if !self.arcs[ball].is_sane() {
+            self.stand_still(ball, time, state);
         }
     }
 
     /// Takes stock of a launch that took `steps`.
-    pub(super) fn launched(&mut self, ball: usize, time: Time, state: &State, steps: u64) {
+    pub(super) fn launched(&mut self, ball: usize, steps: u64) {
         let b = &mut self.balls[ball];
         self.report.steps += steps;
         self.report.fallbacks += std::mem::take(&mut b.stepping.forced);
         let arc = &mut self.arcs[ball];
         arc.stamp = arc.stamp.wrapping_add(1);
-        if !arc.is_sane() {
-            // The equations have no finite answer from here: the ball stands at its last good place.
-            self.report.fallbacks += 1;
-            let length = Time::of_quantum(time.quantum()).after(QUANTUM).since(time);
-            b.body.hold(&self.surface, (time, state), length, arc);
-        }
+        arc.driven = b.drive.is_some();
+    }
+
+    /// The equations have no finite answer from here: the ball stands at its last good place.
+    #[cold]
+    pub(super) fn stand_still(&mut self, ball: usize, time: Time, state: &State) {
+        self.report.fallbacks += 1;
+        let length = Time::of_quantum(time.quantum()).after(QUANTUM).since(time);
+        self.balls[ball].body.hold(&self.surface, (time, state), length, &mut self.arcs[ball]);
     }
 }

@@ -63,17 +63,17 @@ impl Controller {
             && hit.landed().iter().all(|landed| {
                 let radius = self.balls[landed.ball].body.radius;
                 self.queue.alone(landed.ball).holds_at(hit.event)
-                    && self.is_clear_of_walls(hit, &landed.at.center, radius)
+                    && self.is_clear_of_walls(hit, (landed.ball, &landed.at.center), radius)
             })
     }
 
     /// Whether no wall but the one that is hit touches a ball at `c`.
-    fn is_clear_of_walls(&self, hit: &Due, c: &Vector3<f64>, radius: f64) -> bool {
+    fn is_clear_of_walls(&self, hit: &Due, (ball, c): (usize, &Vector3<f64>), radius: f64) -> bool {
         let hits_wall = matches!(hit.partner, HitPartner::Wall(_));
         if !hits_wall && is_within(&[c.x - radius, c.y - radius, c.x + radius, c.y + radius], &self.room) {
             return true;
         }
-        let touch = self.touch(c);
+        let touch = self.touch(ball, c);
         let touches = |plane: &Plane| plane.distance(c) - radius <= touch;
         let mut others =
             self.walls.iter().enumerate().filter(|(wall, _)| hit.partner != HitPartner::Wall(*wall));

@@ -236,6 +236,7 @@ impl Controller {
     fn launch_again(&mut self, ball: usize) -> bool {
         let Self { surface, accuracy, balls, arcs, .. } = self;
         let (body, arc) = (&balls[ball].body, &mut arcs[ball]);
+        arc.driven = balls[ball].drive.is_some();
         let (start, state, length, path) = (arc.start, arc.state, arc.length, arc.path);
         let steps = STEP_MIN..=STEP_MAX;
         if !steps.contains(&balls[ball].stepping.try_s) {

@@ -146,7 +146,7 @@ impl Controller {
                 let known =
                     cluster.pairs.iter().any(|p| p.ball == ball && p.partner == HitPartner::Wall(wall));
                 if !known
-                    && plane.distance(&center) - radius <= self.touch(&center)
+                    && plane.distance(&center) - radius <= self.touch(ball, &center)
                     && cluster.contacts.len() < most
                 {
                     cluster.contacts.push(Contact { a: place, b: None, line: -plane.normal });
@@ -189,7 +189,7 @@ impl Controller {
         let apart = landed.at.center - center;
         let reach = self.balls[ball].body.radius + self.balls[other].body.radius;
         let distance = apart.norm();
-        if distance - reach > self.touch(&center) {
+        if distance - reach > self.touch(ball, &center) {
             return;
         }
         let b = known.unwrap_or_else(|| {
@@ -202,9 +202,9 @@ impl Controller {
         cluster.pairs.push(pair);
     }
 
-    /// Gap below which things at `center` count as touching, m.
-    pub(super) fn touch(&self, center: &V3) -> f64 {
-        let size = center.amax();
+    /// Gap below which things count as touching a ball at `center`, m. Its path is rounded where the arc begins as well.
+    pub(super) fn touch(&self, ball: usize, center: &V3) -> f64 {
+        let size = center.amax().max(self.arcs[ball].center[0].amax());
         let ulps = TOUCH_ULPS * f64::EPSILON * size;
         if self.surface.is_flat() { ulps } else { ulps.max(TOUCH_CURVED * (1.0 + size)) }
     }

@@ -1,19 +1,26 @@
 //! Memory asked for ahead of its use.
 //!
-//! Beyond some ten thousand balls an event waits mostly for memory: for its ball, then for the cells around it, then for who
-//! is in them, one after another. The queue tells who is next but a few events, and what these will read is asked for in
-//! those three steps, each two events after the one before. Nothing is read into a result: a wrong guess costs time only.
+//! Thousands of balls have no room in the processor's nearest memory, and an event waits for its ball, then for the cells
+//! around it, then for who is in them, one after another. So those who met in the queue's last match are asked for before the
+//! event at hand, whom a search finds are all asked for before the first is looked at, and hits that are landed on together
+//! have their arcs asked for at once. Beyond some ten thousand balls that comes too late: the queue tells who is next but a few
+//! events, and what these will read is asked for in three steps, each two events after the one before. Nothing is read into a
+//! result: a wrong guess costs time only.
 
 use super::Controller;
+use super::approach::Due;
 use crate::detect::broad_phase::Bounds;
 use crate::motion::arc::Arc;
 use crate::motion::step::TERMS;
+use crate::schedule::calendar::Calendar;
 use crate::schedule::event::What;
 use crate::schedule::time::Time;
 use prefetch_index::prefetch_index;
 
 /// Balls from which on it pays: less stays in the processor's own memory.
-const BALLS_MIN: usize = 16_384;
+const BALLS_MIN: usize = 2048;
+/// Balls from which on it pays to look events ahead.
+const BALLS_FAR: usize = 16_384;
 /// Events from one look at the queue to the next.
 const EVENTS: u32 = 6;
 /// Most balls looked after at once: some are found beyond the expected [`EVENTS`].
@@ -23,6 +30,7 @@ const MOST: usize = 4 * EVENTS as usize;
 #[derive(Clone, Debug)]
 pub(super) struct Fetch {
     pays: bool,
+    pays_far: bool,
     /// Events since the last look at the queue, and when that was.
     events: u32,
     looked: u64,
@@ -35,20 +43,54 @@ pub(super) struct Fetch {
 impl Fetch {
     /// For so many balls.
     pub(super) const fn new(balls: usize) -> Self {
-        let pays = balls >= BALLS_MIN;
-        Self { pays, events: 0, looked: 0, balls: [0; MOST], bounds: [[0.0; 4]; MOST], count: 0 }
+        let (pays, pays_far) = (balls >= BALLS_MIN, balls >= BALLS_FAR);
+        Self { pays, pays_far, events: 0, looked: 0, balls: [0; MOST], bounds: [[0.0; 4]; MOST], count: 0 }
+    }
+
+    /// Whether it pays at all.
+    pub(super) const fn pays(&self) -> bool {
+        self.pays
     }
 }
 
 impl Controller {
-    /// Whether that pays here.
-    pub(super) const fn fetches(&self) -> bool {
-        self.work.fetch.pays
+    /// The event of `ball` begins: asks for what later ones will read.
+    #[inline(never)]
+    pub(super) fn fetch_ahead(&mut self, ball: usize, now: Time) {
+        for other in self.queue.finalists() {
+            let other = other as usize;
+            if other != ball && other < self.balls.len() {
+                self.queue.prefetch(other);
+                self.broad_phase.prefetch(other);
+                prefetch_front(&self.arcs[other], self.surface.is_flat());
+            }
+        }
+        if self.work.fetch.pays_far {
+            self.fetch_far_ahead(now);
+        }
     }
 
-    /// An event begins: asks for what later ones will read.
-    #[inline(never)]
-    pub(super) fn fetch_ahead(&mut self, now: Time) {
+    /// Asks for what is read of those who may hit soon.
+    pub(super) fn fetch_candidates(&self, calendar: &Calendar) {
+        if self.work.fetch.pays {
+            calendar.ahead(|ball| {
+                self.fetch_ball(ball);
+                prefetch_index(self.arcs[ball].state.as_slice(), 0);
+                true
+            });
+        }
+    }
+
+    /// Asks for the rest of the arcs of those who hit.
+    pub(super) fn fetch_rest_of(&self, hits: &[Due]) {
+        if self.work.fetch.pays {
+            for landed in hits.iter().flat_map(Due::landed) {
+                prefetch_rest(&self.arcs[landed.ball], self.surface.is_flat());
+            }
+        }
+    }
+
+    fn fetch_far_ahead(&mut self, now: Time) {
         let event = self.work.fetch.events;
         self.work.fetch.events = (event + 1) % EVENTS;
         match event {
@@ -127,7 +169,7 @@ fn move_on(bounds: &mut Bounds, arc: &Arc) {
 
 /// What a search asks of an arc, line by line of cache.
 #[inline]
-fn prefetch_front(arc: &Arc, is_flat: bool) {
+pub(super) fn prefetch_front(arc: &Arc, is_flat: bool) {
     prefetch_index(std::slice::from_ref(arc), 0);
     prefetch_index(arc.center.as_slice(), 1);
     if !is_flat {
@@ -158,8 +200,8 @@ mod tests {
     fn asking_for_memory_changes_no_bit() {
         let mut without = Controller::new(&crowd(9)).expect("a scene");
         let mut with = without.clone();
-        assert!(!without.fetches());
-        with.work.fetch.pays = true;
+        assert!(!without.work.fetch.pays);
+        (with.work.fetch.pays, with.work.fetch.pays_far) = (true, true);
         let mut asked = 0;
         for tick in 1..=120 {
             let time = Time::of_tick(tick, 60);

@@ -223,6 +223,7 @@ impl Controller {
         let mut group = [*hit; LANES_MAX];
         let count = self.choose(&mut group);
         let group = &mut group[..count];
+        self.fetch_rest_of(group);
         self.approach(group);
         let mut places = [0; LANES_MAX];
         for (hit, place) in group.iter().zip(&mut places) {
@@ -241,6 +242,7 @@ impl Controller {
         let (mut count, mut balls) = (1, group[0].landed().len());
         let free = self.work.foresight.free.len();
         let rolls = self.balls[group[0].ball].body.rolls;
+        self.fetch_candidates(&self.work.foresight.calendar);
         self.work.foresight.calendar.ahead(|ball| {
             let Some(hit) = self.due(ball) else { return true };
             let more = hit.landed().len();
@@ -280,10 +282,7 @@ impl Controller {
     fn is_plain(&self, hit: &Due, rolls: bool) -> bool {
         hit.landed().iter().all(|landed| {
             let (ball, arc) = (&self.balls[landed.ball], &self.arcs[landed.ball]);
-            arc.path == Path::Curved
-                && ball.body.rolls == rolls
-                && ball.drive.is_none()
-                && hit.event > arc.start
+            arc.path == Path::Curved && ball.body.rolls == rolls && !arc.driven && hit.event > arc.start
         })
     }
 

@@ -91,7 +91,7 @@ plain!(Stepping: try_s; steps forced);
 plain!(Drive: direction acceleration speed_limit;);
 plain!(
     Arc: start window_end stamp length path state turning;
-    scale radius acceleration_bound endless slope center dense end reaction
+    scale radius acceleration_bound endless driven slope center dense end reaction
 );
 plain!(Turning: start; turn pieces magnus doublings left_out);
 plain!(Next: time what;);

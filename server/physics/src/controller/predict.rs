@@ -1,6 +1,7 @@
 //! What a ball will meet within its window: walls, other balls, or only the window's end.
 
 use super::Controller;
+use super::fetch::prefetch_front;
 use crate::detect::ball_ball::{self, Approach, Standing, comes_briskly, parts_briskly};
 use crate::detect::ball_wall;
 use crate::detect::broad_phase::{is_within, swept_bounds, travel};
@@ -8,7 +9,7 @@ use crate::motion::arc::Arc;
 use crate::schedule::clearance::Clearance;
 use crate::schedule::event::{Next, What};
 use crate::schedule::time::{QUANTUM, Time};
-use crate::tolerance::{ALONE_MARGIN, WINDOW_MAX, WINDOW_MIN};
+use crate::tolerance::{ALONE_MARGIN, WINDOW_BITS, WINDOW_MAX, WINDOW_MIN};
 
 /// What comes first for the ball that searches.
 struct First {
@@ -163,7 +164,13 @@ impl Controller {
     ) {
         let Self { broad_phase, arcs, report, work, .. } = self;
         let arc = &arcs[ball];
-        broad_phase.neighbours(ball, |other| {
+        let fetches = work.fetch.pays();
+        let ask = |other: usize| {
+            if fetches {
+                prefetch_front(&arcs[other], PLANE);
+            }
+        };
+        broad_phase.neighbours_asked_for(ball, ask, |other| {
             report.pairs[0] += 1;
             let pair = (arc, &arcs[other]);
             if let Some(found) = Encounter::of::<PLANE>(pair, other, (from, standing), &mut report.pairs[1]) {
@@ -225,26 +232,25 @@ impl Controller {
     }
 
     /// A window ends with the arc, before the ball has travelled far, and for a driven ball with the quantum.
-    /// Its length is a power of two of seconds and depends on the ball and the floor alone: a ball that nobody meets
-    /// cannot change another's.
+    /// Its length depends on the ball and the floor alone: a ball that nobody meets cannot change another's.
     fn open_window(&mut self, ball: usize, from: Time, speed: f64) {
-        let driven = self.balls[ball].drive.is_some();
         let arc = &mut self.arcs[ball];
         let travel = travel(arc.radius, self.span);
-        let mut length = power_of_two_up_to(travel / speed).clamp(WINDOW_MIN, WINDOW_MAX);
-        while length > WINDOW_MIN && length * (speed + 0.5 * arc.acceleration_bound * length) > travel {
-            length *= 0.5;
-        }
-        arc.window_end = from.after(length).min(arc.finish());
-        if driven {
+        let length = rounded_down(time_of(travel, speed, arc.acceleration_bound));
+        arc.window_end = from.after(length.clamp(WINDOW_MIN, WINDOW_MAX)).min(arc.finish());
+        if arc.driven {
             let quantum = Time::of_quantum(from.after(0.0).quantum()).after(QUANTUM);
             arc.window_end = arc.window_end.min(quantum);
         }
     }
 }
 
-/// The largest power of two that is not larger; of what is no number or not positive, anything.
-fn power_of_two_up_to(x: f64) -> f64 {
-    const EXPONENT: u64 = f64::INFINITY.to_bits();
-    f64::from_bits(x.to_bits() & EXPONENT)
+/// Seconds in which a ball of this speed surely travels no farther; of no meaning for one that stays where it is.
+fn time_of(travel: f64, speed: f64, acceleration: f64) -> f64 {
+    2.0 * travel / (speed + (speed * speed + 2.0 * acceleration * travel).sqrt())
+}
+
+/// The largest number of [`WINDOW_BITS`] significant bits that is not larger; of what is no number or not positive, anything.
+fn rounded_down(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & (u64::MAX << (f64::MANTISSA_DIGITS - WINDOW_BITS)))
 }

@@ -105,15 +105,12 @@ impl Controller {
 
     fn ends_by_itself(&self, ball: usize) -> bool {
         let (arc, next) = (&self.arcs[ball], self.queue.of(ball));
-        arc.path == Path::Curved
-            && self.balls[ball].drive.is_none()
-            && next.what == What::Renew
-            && next.time == arc.finish()
+        arc.path == Path::Curved && !arc.driven && next.what == What::Renew && next.time == arc.finish()
     }
 
     /// Puts a ball on the arc that follows its present one, which ends at `time` in `state` and has been closed.
     pub(super) fn go_on(&mut self, ball: usize, time: Time, state: &State) {
-        if self.work.ahead.is_idle() || self.balls[ball].drive.is_some() {
+        if self.work.ahead.is_idle() || self.arcs[ball].driven {
             self.launch(ball, time, state);
             return;
         }
@@ -226,6 +223,8 @@ impl Controller {
 
     /// Puts a ball on a prepared arc, with its own orientation.
     pub(super) fn put_on(&mut self, next: &Prepared) {
+        // Asked of the copy at hand: the ball's own may be far away.
+        let is_sane = next.arc.is_sane();
         let arc = &mut self.arcs[next.ball];
         let was = (arc.stamp, arc.window_end, arc.turning.start);
         *arc = next.arc;
@@ -235,6 +234,9 @@ impl Controller {
         stepping.try_s = next.stepping.try_s;
         stepping.steps += next.stepping.steps;
         stepping.forced += next.stepping.forced;
-        self.launched(next.ball, next.arc.start, &next.arc.state, next.stepping.steps);
+        self.launched(next.ball, next.stepping.steps);
+        if !is_sane {
+            self.stand_still(next.ball, next.arc.start, &next.arc.state);
+        }
     }
 }

@@ -198,7 +198,13 @@ impl BroadPhase {
 
     /// Calls `visit` for every other ball whose bounds meet those of `ball`, in no particular order.
     #[inline]
-    pub fn neighbours(&self, ball: usize, mut visit: impl FnMut(usize)) {
+    pub fn neighbours(&self, ball: usize, visit: impl FnMut(usize)) {
+        self.neighbours_asked_for(ball, |_| {}, visit);
+    }
+
+    /// The same, and `ask` is told of some of them before the first of these is visited.
+    #[inline]
+    pub fn neighbours_asked_for(&self, ball: usize, ask: impl Fn(usize), mut visit: impl FnMut(usize)) {
         if self.is_lone() {
             return;
         }
@@ -210,7 +216,7 @@ impl BroadPhase {
                 for cells in grid.row(j, columns) {
                     for some in cells.chunks(BATCH / 4) {
                         if batch.count + some.len() > BATCH / 2 {
-                            self.visit_batch(&mut batch, ball, &mine, &mut visit);
+                            self.visit_batch(&mut batch, (ball, &mine), &ask, &mut visit);
                         }
                         batch.add_all(some);
                     }
@@ -218,13 +224,19 @@ impl BroadPhase {
             }
         }
         batch.add_all(&[self.wide]);
-        self.visit_batch(&mut batch, ball, &mine, &mut visit);
+        self.visit_batch(&mut batch, (ball, &mine), &ask, &mut visit);
     }
 
     /// Those of some lists whose bounds meet those of `ball`; the lists' first are in the batch. Which lists go on and which
     /// bounds meet cannot be foretold: nothing is jumped over, and memory is asked for many of them at once.
     #[inline]
-    fn visit_batch(&self, batch: &mut Batch, ball: usize, mine: &Bounds, visit: &mut impl FnMut(usize)) {
+    fn visit_batch(
+        &self,
+        batch: &mut Batch,
+        (ball, mine): (usize, &Bounds),
+        ask: &impl Fn(usize),
+        visit: &mut impl FnMut(usize),
+    ) {
         while batch.count > 0 {
             let followed = batch.follow(&self.next);
             let mut met = 0;
@@ -234,6 +246,7 @@ impl BroadPhase {
                 let meets = meet(mine, &self.filed[other as usize].bounds) & (other as usize != ball);
                 met += usize::from(meets);
             }
+            batch.balls[..met].iter().for_each(|other| ask(*other as usize));
             batch.balls[..met].iter().for_each(|other| visit(*other as usize));
             if followed < batch.count {
                 batch.balls.copy_within(followed..batch.count, 0);

@@ -47,6 +47,8 @@ pub struct Arc {
     pub path: Path,
     /// Whether it does not end by itself: its length is infinite.
     pub endless: bool,
+    /// Whether its ball is driven, and looks ahead no farther than the quantum.
+    pub driven: bool,
     /// Centre in powers of theta; only the first three count unless the arc is curved.
     pub center: [V3; TERMS],
     /// Seconds per unit of theta; 1 unless curved.
@@ -83,6 +85,7 @@ impl Arc {
             stamp: 0,
             path: Path::Held,
             endless: false,
+            driven: false,
             length: 0.0,
             state: [0.0; ROLLING],
             slope: [0.0; ROLLING],

@@ -104,6 +104,12 @@ impl Queue {
         }
     }
 
+    /// Those who may be next when the first has had its turn: who met in the last match. Some may be nobody.
+    #[inline]
+    pub fn finalists(&self) -> [u32; FOUR] {
+        self.matches.last().map_or([u32::MAX; FOUR], |all| all.balls)
+    }
+
     /// Visits those whose events come after one time and up to another, both rounded down, but for who is beaten by one of
     /// them before the last rounds: of a few events among many balls nearly all.
     pub fn between(&self, after: u64, until: u64, mut visit: impl FnMut(usize)) {
