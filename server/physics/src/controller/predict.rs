@@ -43,18 +43,21 @@ pub(super) struct Encounter {
 }
 
 impl Encounter {
-    /// Of the arcs of two balls, the second `ball`, from `from` on while both look ahead; nothing if they surely stay clear
-    /// of each other. `standing` is where the first is then.
+    /// Of the arcs of two balls, the second `ball`, from `from` on while both look ahead, the first for `ahead` seconds;
+    /// nothing if they surely stay clear of each other. `standing` is where the first is then.
     #[inline(always)]
     fn of<const PLANE: bool>(
         (arc, theirs): (&Arc, &Arc),
         ball: usize,
-        (from, standing): (Time, &Standing),
+        (from, ahead, standing): (Time, f64, &Standing),
         searched: &mut u64,
     ) -> Option<Self> {
         let mut found = Self { ball, hit: None, clear: Clearance::UNKNOWN };
-        let begin = from.max(theirs.start);
-        let duration = arc.window_end.min(theirs.window_end).since(begin);
+        let (mut begin, mut duration) = (from, ahead.min(theirs.window_end.since(from)));
+        if theirs.start > from {
+            begin = theirs.start;
+            duration = arc.window_end.min(theirs.window_end).since(begin);
+        }
         let reach = arc.radius + theirs.radius;
         if duration <= 0.0 {
             // They look again at once: the other, if its window ends by now, before anything later happens, and tells.
@@ -140,7 +143,7 @@ impl Controller {
         self.broad_phase.file(ball, bounds);
         let has_others = self.balls.len() > 1;
         if has_others {
-            self.look_around::<PLANE>(ball, (from, &standing), &mut first);
+            self.look_around::<PLANE>(ball, (from, duration, &standing), &mut first);
         }
         self.queue.set(ball, first.next);
         self.queue.set_alone(ball, first.others);
@@ -159,7 +162,7 @@ impl Controller {
     fn look_around<const PLANE: bool>(
         &mut self,
         ball: usize,
-        (from, standing): (Time, &Standing),
+        (from, ahead, standing): (Time, f64, &Standing),
         first: &mut First,
     ) {
         let Self { broad_phase, arcs, report, work, .. } = self;
@@ -173,7 +176,9 @@ impl Controller {
         broad_phase.neighbours_asked_for(ball, ask, |other| {
             report.pairs[0] += 1;
             let pair = (arc, &arcs[other]);
-            if let Some(found) = Encounter::of::<PLANE>(pair, other, (from, standing), &mut report.pairs[1]) {
+            if let Some(found) =
+                Encounter::of::<PLANE>(pair, other, (from, ahead, standing), &mut report.pairs[1])
+            {
                 first.take_in(ball as u32, &found);
                 // Who looks again before anything later happens need not be told.
                 if pair.1.window_end > from {
@@ -247,6 +252,9 @@ impl Controller {
 
 /// Seconds in which a ball of this speed surely travels no farther; of no meaning for one that stays where it is.
 fn time_of(travel: f64, speed: f64, acceleration: f64) -> f64 {
+    if acceleration == 0.0 {
+        return travel / speed;
+    }
     2.0 * travel / (speed + (speed * speed + 2.0 * acceleration * travel).sqrt())
 }
 

@@ -339,13 +339,18 @@ impl Grid {
     /// First and last column and row where a search within `bounds` looks.
     #[inline]
     fn around(&self, bounds: &Bounds) -> ([usize; 2], [i64; 2]) {
-        let [(i0, i1), (j0, j1)] = [0, 1].map(|axis| {
-            let low = self.index(axis, bounds[axis] - self.reach);
-            let high = self.index(axis, bounds[axis + 2] + self.reach);
-            // Once around the torus is everywhere.
-            (low, high.min(low.saturating_add(self.cells[axis] - 1)))
-        });
-        ([i0, i1].map(|i| (i & (self.cells[0] - 1)) as usize), [j0, j1])
+        let [i0, i1] = self.span(0, bounds);
+        let column = |i: i64| (i & (self.cells[0] - 1)) as usize;
+        ([column(i0), column(i1)], self.span(1, bounds))
+    }
+
+    /// The same along one axis, before the plane is rolled up.
+    #[inline(always)]
+    fn span(&self, axis: usize, bounds: &Bounds) -> [i64; 2] {
+        let low = self.index(axis, bounds[axis] - self.reach);
+        let high = self.index(axis, bounds[axis + 2] + self.reach);
+        // Once around the torus is everywhere.
+        [low, high.min(low.saturating_add(self.cells[axis] - 1))]
     }
 
     /// Cells of row `j` from one column to another, around the torus if that comes before: up to two runs.
