@@ -4,13 +4,17 @@
 //! Each run is advanced by ticks of 60 Hz for S simulated seconds (2, or fewer for many balls) after half a second of
 //! warming up. Nothing but the last state is looked at; with `--look` every ball is read at every tick, orientation
 //! and all. CPU is the process's own time. Overlap is the deepest at any impact, in the smallest radii; energy the relative change.
-//! The exponent is the slope of the logarithms of cost and number by least squares. `--save` keeps the table for this machine.
+//! The exponent is the slope of the logarithms of cost and number by least squares. Beside the gas on a plane stands what the
+//! same discs cost in the least program that moves them (`bare`), right after it. `--save` keeps the table for this machine.
 
+#[path = "common/bare.rs"]
+mod bare;
 #[path = "common/results.rs"]
 mod results;
 
 use ballroom_cases::gas;
 use ballroom_physics::{Controller, Observer, Report, Scene, Time};
+use bare::Bare;
 use cpu_time::ProcessTime;
 use results::Results;
 
@@ -25,6 +29,13 @@ struct Options {
     counts: Vec<usize>,
     seconds: Option<f64>,
     look: bool,
+}
+
+impl Options {
+    /// Simulated seconds for so many balls.
+    fn seconds_of(&self, balls: f64) -> f64 {
+        self.seconds.unwrap_or_else(|| (2e4 / balls).clamp(1.0, 20.0))
+    }
 }
 
 fn options() -> Options {
@@ -76,6 +87,9 @@ fn main() -> std::io::Result<()> {
         if costs.len() > 1 && floor != "dusty" {
             results.line(format_args!("{floor}: cost grows as N^{:.3}", exponent(&costs)));
         }
+        if floor == "plane" {
+            beside_the_bare(&costs, &options, &mut results);
+        }
     }
     results.finish()
 }
@@ -84,7 +98,7 @@ fn main() -> std::io::Result<()> {
 fn measure(scene: &Scene, options: &Options, results: &mut Results) -> f64 {
     let count = scene.balls.len();
     let smallest = scene.balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
-    let seconds = options.seconds.unwrap_or_else(|| (2e4 / count as f64).clamp(1.0, 20.0));
+    let seconds = options.seconds_of(count as f64);
     let ticks = (seconds * RATE_HZ as f64).ceil() as u64;
     let mut engine = Controller::new(scene).unwrap_or_else(|fault| panic!("the gas is refused: {fault}"));
     run(&mut engine, 1..=WARM_UP_TICKS, options.look);
@@ -108,6 +122,39 @@ fn measure(scene: &Scene, options: &Options, results: &mut Results) -> f64 {
         engine.state_hash(),
     ));
     cpu / span
+}
+
+/// The same discs in the bare program, and how many times as much ours cost, as CPU seconds a simulated second.
+fn beside_the_bare(ours: &[(f64, f64)], options: &Options, results: &mut Results) {
+    results.line(format_args!(
+        "{:<6}{:>8}{:>14}{:>12}{:>10}{:>12}{:>10}{:>14}",
+        "bare", "balls", "CPU s per s", "hits/s", "us/hit", "hits/CPU s", "plane is", "energy error"
+    ));
+    let cost = |(balls, ours): &(f64, f64)| {
+        let mut bare = Bare::of(&gas::on_a_plane(*balls as usize));
+        let seconds = options.seconds_of(*balls);
+        bare.advance_to(WARM_UP_TICKS as f64 / RATE_HZ as f64);
+        let (before, energy) = (bare.hits, bare.energy());
+        let start = ProcessTime::now();
+        bare.advance_to(WARM_UP_TICKS as f64 / RATE_HZ as f64 + seconds);
+        let cpu = start.elapsed().as_secs_f64();
+        let hits = (bare.hits - before) as f64;
+        results.line(format_args!(
+            "{:>14}{:>14.5}{:>12.0}{:>10.3}{:>12.0}{:>9.2}x{:>14.1e}",
+            balls,
+            cpu / seconds,
+            hits / seconds,
+            1e6 * cpu / hits,
+            hits / cpu,
+            ours * seconds / cpu,
+            (bare.energy() / energy - 1.0).abs(),
+        ));
+        (*balls, cpu / seconds)
+    };
+    let costs: Vec<(f64, f64)> = ours.iter().map(cost).collect();
+    if costs.len() > 1 {
+        results.line(format_args!("bare: cost grows as N^{:.3}", exponent(&costs)));
+    }
 }
 
 fn run(engine: &mut Controller, ticks: std::ops::RangeInclusive<u64>, look: bool) {
