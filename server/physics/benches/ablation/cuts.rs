@@ -52,16 +52,13 @@ pub const CUTS: &[Cut] = &[
         edits: &[
             (
                 "controller/advance.rs",
-                "if self.balls[ball].drive.is_some() && time.offset() == 0.0 && self.steer_anew(ball, time) {",
+                "if self.arcs[ball].driven && time.offset() == 0.0 && self.steer_anew(ball, time) {",
                 "if false {",
             ),
             ("controller/advance.rs", "if self.balls[ball].drive.is_some() {", "if false {"),
             ("controller/advance.rs", "let work = self.work_of_force(ball, time);", "let work = 0.0;"),
-            (
-                "controller/predict.rs",
-                "let driven = self.balls[ball].drive.is_some();",
-                "let driven = false;",
-            ),
+            ("controller/advance.rs", "arc.driven = b.drive.is_some();", ""),
+            ("controller/predict.rs", "if arc.driven {", "if false {"),
         ],
     },
     Cut {
@@ -73,9 +70,9 @@ pub const CUTS: &[Cut] = &[
             ("controller/observe.rs", "if b.body.rolls {", "if false {"),
             ("controller/observe.rs", "if !b.body.rolls {", "if true {"),
             (
-                "motion/arc.rs",
-                "self.turning.begin_sized(turn, &turn_sizes, left_out);",
-                "let _ = (turn, turn_sizes, left_out);",
+                "motion/take_over.rs",
+                "arc.turning.plan(sizes, tolerance::turn_left_out(accuracy, h, arc.radius));",
+                "let _ = (sizes, accuracy, tolerance::TURN_LEAST);",
             ),
             (
                 "controller/advance.rs",
