@@ -258,7 +258,32 @@ fn time_of(travel: f64, speed: f64, acceleration: f64) -> f64 {
     2.0 * travel / (speed + (speed * speed + 2.0 * acceleration * travel).sqrt())
 }
 
-/// The largest number of [`WINDOW_BITS`] significant bits that is not larger; of what is no number or not positive, anything.
+/// The largest number of [`WINDOW_BITS`] significant bits that is not larger than one that is not negative, infinity included.
 fn rounded_down(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & (u64::MAX << (f64::MANTISSA_DIGITS - WINDOW_BITS)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_window_is_nearly_as_long_as_the_travel_allows_and_no_longer(
+            travel in 1e-3..10.0_f64, speed in 1e-3..1e3_f64, acceleration in prop_oneof![Just(0.0), 1e-3..1e3_f64],
+        ) {
+            let length = rounded_down(time_of(travel, speed, acceleration));
+            let far = |t: f64| t * (speed + 0.5 * acceleration * t);
+            prop_assert!(far(length) <= travel * (1.0 + 4.0 * f64::EPSILON), "{}", far(length) / travel);
+            prop_assert!(far(length * 1.126) > travel, "{}", far(length) / travel);
+        }
+    }
+
+    #[test]
+    fn one_that_stays_where_it_is_looks_ahead_as_far_as_any() {
+        let length = |speed: f64| rounded_down(time_of(0.1, speed, 0.0)).clamp(WINDOW_MIN, WINDOW_MAX);
+        assert_eq!([length(0.0), length(1e-9)], [WINDOW_MAX; 2]);
+        assert_eq!(length(1e15), WINDOW_MIN);
+    }
 }
