@@ -15,6 +15,7 @@ const NOBODY: u32 = u32::MAX;
 const REACH: f64 = 2.0 * gas::RADIUS;
 
 /// A box of discs.
+#[derive(Clone)]
 pub struct Bare {
     discs: Vec<Disc>,
     /// The first disc in each cell, row by row.
@@ -29,6 +30,7 @@ pub struct Bare {
     pub hits: u64,
 }
 
+#[derive(Clone)]
 struct Disc {
     place: [f64; 2],
     velocity: [f64; 2],
@@ -46,6 +48,7 @@ enum What {
     Cell { axis: usize, step: i32 },
 }
 
+#[derive(Clone)]
 struct Event {
     time: f64,
     disc: u32,
