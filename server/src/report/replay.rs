@@ -9,7 +9,7 @@ use super::subject::Subject;
 use super::{ReportError, subject};
 use ballroom_physics::detect::ball_ball::{self, Approach, Standing};
 use ballroom_physics::detect::ball_wall::{self, Plane, room_between};
-use ballroom_physics::detect::broad_phase::{BroadPhase, is_within, swept_bounds, travel};
+use ballroom_physics::detect::broad_phase::{BroadPhase, is_within, swept_bounds, travel, window};
 use ballroom_physics::motion::arc::Arc;
 use ballroom_physics::motion::body::{Body, Stepping};
 use ballroom_physics::motion::together::{self, Landing, Launch, Seat};
@@ -17,7 +17,7 @@ use ballroom_physics::resolve::impact::{Contact, Member, resolve_one};
 use ballroom_physics::schedule::event::{Next, What};
 use ballroom_physics::schedule::queue::Queue;
 use ballroom_physics::surface::chart::Surface;
-use ballroom_physics::tolerance::{STEP_FIRST, WINDOW_MAX, WINDOW_MIN};
+use ballroom_physics::tolerance::STEP_FIRST;
 use ballroom_physics::{Accuracy, BallSpec, Controller, MotionLaw, Time};
 use nalgebra::Vector3;
 use std::hint::black_box;
@@ -175,12 +175,7 @@ impl Bench {
     fn window(&self, arc: &Arc) -> f64 {
         let [width, depth] = [self.bounds[2] - self.bounds[0], self.bounds[3] - self.bounds[1]];
         let travel = travel(arc.radius, width.max(depth));
-        let speed = arc.velocity_at(0.0).norm();
-        let mut length = WINDOW_MAX;
-        while length > WINDOW_MIN && length * (speed + 0.5 * arc.acceleration_bound * length) > travel {
-            length *= 0.5;
-        }
-        length.min(arc.length)
+        window(travel, arc.velocity_at(0.0).norm(), arc.acceleration_bound).min(arc.length)
     }
 }
 

@@ -4,12 +4,12 @@ use super::Controller;
 use super::fetch::prefetch_front;
 use crate::detect::ball_ball::{self, Approach, Standing, comes_briskly, parts_briskly};
 use crate::detect::ball_wall;
-use crate::detect::broad_phase::{is_within, swept_bounds, travel};
+use crate::detect::broad_phase::{is_within, swept_bounds, travel, window};
 use crate::motion::arc::Arc;
 use crate::schedule::clearance::Clearance;
 use crate::schedule::event::{Next, What};
 use crate::schedule::time::{QUANTUM, Time};
-use crate::tolerance::{ALONE_MARGIN, WINDOW_BITS, WINDOW_MAX, WINDOW_MIN};
+use crate::tolerance::ALONE_MARGIN;
 
 /// What comes first for the ball that searches.
 struct First {
@@ -240,50 +240,11 @@ impl Controller {
     /// Its length depends on the ball and the floor alone: a ball that nobody meets cannot change another's.
     fn open_window(&mut self, ball: usize, from: Time, speed: f64) {
         let arc = &mut self.arcs[ball];
-        let travel = travel(arc.radius, self.span);
-        let length = rounded_down(time_of(travel, speed, arc.acceleration_bound));
-        arc.window_end = from.after(length.clamp(WINDOW_MIN, WINDOW_MAX)).min(arc.finish());
+        let length = window(travel(arc.radius, self.span), speed, arc.acceleration_bound);
+        arc.window_end = from.after(length).min(arc.finish());
         if arc.driven {
             let quantum = Time::of_quantum(from.after(0.0).quantum()).after(QUANTUM);
             arc.window_end = arc.window_end.min(quantum);
         }
-    }
-}
-
-/// Seconds in which a ball of this speed surely travels no farther; of no meaning for one that stays where it is.
-fn time_of(travel: f64, speed: f64, acceleration: f64) -> f64 {
-    if acceleration == 0.0 {
-        return travel / speed;
-    }
-    2.0 * travel / (speed + (speed * speed + 2.0 * acceleration * travel).sqrt())
-}
-
-/// The largest number of [`WINDOW_BITS`] significant bits that is not larger than one that is not negative, infinity included.
-fn rounded_down(x: f64) -> f64 {
-    f64::from_bits(x.to_bits() & (u64::MAX << (f64::MANTISSA_DIGITS - WINDOW_BITS)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn a_window_is_nearly_as_long_as_the_travel_allows_and_no_longer(
-            travel in 1e-3..10.0_f64, speed in 1e-3..1e3_f64, acceleration in prop_oneof![Just(0.0), 1e-3..1e3_f64],
-        ) {
-            let length = rounded_down(time_of(travel, speed, acceleration));
-            let far = |t: f64| t * (speed + 0.5 * acceleration * t);
-            prop_assert!(far(length) <= travel * (1.0 + 4.0 * f64::EPSILON), "{}", far(length) / travel);
-            prop_assert!(far(length * 1.126) > travel, "{}", far(length) / travel);
-        }
-    }
-
-    #[test]
-    fn one_that_stays_where_it_is_looks_ahead_as_far_as_any() {
-        let length = |speed: f64| rounded_down(time_of(0.1, speed, 0.0)).clamp(WINDOW_MIN, WINDOW_MAX);
-        assert_eq!([length(0.0), length(1e-9)], [WINDOW_MAX; 2]);
-        assert_eq!(length(1e15), WINDOW_MIN);
     }
 }

@@ -7,7 +7,10 @@
 
 #![expect(clippy::needless_bitwise_bool, reason = "what cannot be foretold is computed, not jumped over")]
 
-use crate::tolerance::{GRID_CELL_RADII, GRID_CELLS_PER_BALL, WINDOW_FLOOR_SHARE, WINDOW_TRAVEL};
+use crate::tolerance::{
+    GRID_CELL_RADII, GRID_CELLS_PER_BALL, WINDOW_BITS, WINDOW_FLOOR_SHARE, WINDOW_MAX, WINDOW_MIN,
+    WINDOW_TRAVEL,
+};
 use nalgebra::Vector3;
 use prefetch_index::prefetch_index;
 
@@ -26,6 +29,27 @@ pub type Bounds = [f64; 4];
 /// ball and the floor alone: a ball that nobody meets cannot change another's windows.
 pub fn travel(radius: f64, span: f64) -> f64 {
     (WINDOW_TRAVEL * radius).max(WINDOW_FLOOR_SHARE * span)
+}
+
+/// Length of the window of a ball of `speed` that may `travel` so far, s; its acceleration is at most `acceleration`.
+#[inline]
+pub fn window(travel: f64, speed: f64, acceleration: f64) -> f64 {
+    rounded_down(time_of(travel, speed, acceleration)).clamp(WINDOW_MIN, WINDOW_MAX)
+}
+
+/// Seconds in which a ball surely travels no farther; without end for one that stays where it is.
+#[inline]
+fn time_of(travel: f64, speed: f64, acceleration: f64) -> f64 {
+    if acceleration == 0.0 {
+        return travel / speed;
+    }
+    2.0 * travel / (speed + (speed * speed + 2.0 * acceleration * travel).sqrt())
+}
+
+/// The largest number of [`WINDOW_BITS`] significant bits that is not larger than one that is not negative, infinity included.
+#[inline]
+fn rounded_down(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & (u64::MAX << (f64::MANTISSA_DIGITS - WINDOW_BITS)))
 }
 
 /// Cells of balls whose radii lie within a factor of two.
@@ -399,6 +423,7 @@ pub fn swept_bounds(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     /// Files `radii` at random places of a floor again and again, and compares with a search over all pairs.
     fn assert_all_found(radii: &[f64], floor: Bounds, crowd: f64, fastest: f64, seed: u64) -> usize {
@@ -474,5 +499,24 @@ mod tests {
             phase.grids[0].first.iter().map(length).max().unwrap_or(0)
         };
         assert!(longest(12.8) <= 4 && longest(12_800.0) <= 16, "{} {}", longest(12.8), longest(12_800.0));
+    }
+
+    proptest! {
+        #[test]
+        fn a_window_is_nearly_as_long_as_the_travel_allows_and_no_longer(
+            travel in 1e-3..10.0_f64, speed in 1e-3..1e3_f64, acceleration in prop_oneof![Just(0.0), 1e-3..1e3_f64],
+        ) {
+            let length = rounded_down(time_of(travel, speed, acceleration));
+            let far = |t: f64| t * (speed + 0.5 * acceleration * t);
+            prop_assert!(far(length) <= travel * (1.0 + 4.0 * f64::EPSILON), "{}", far(length) / travel);
+            prop_assert!(far(length * 1.126) > travel, "{}", far(length) / travel);
+        }
+    }
+
+    #[test]
+    fn one_that_stays_where_it_is_looks_ahead_as_far_as_any() {
+        let length = |speed: f64| window(0.1, speed, 0.0);
+        assert_eq!([length(0.0), length(1e-9)], [WINDOW_MAX; 2]);
+        assert_eq!(length(1e15), WINDOW_MIN);
     }
 }
