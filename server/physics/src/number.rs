@@ -48,6 +48,13 @@ impl Number for f64 {
     }
 }
 
+/// The largest number of so many significant `bits` that is not larger than one that is not negative, infinity included:
+/// lengths of time that are exact fractions of a second.
+#[inline]
+pub fn of_few_bits(x: f64, bits: u32) -> f64 {
+    f64::from_bits(x.to_bits() & (u64::MAX << (f64::MANTISSA_DIGITS - bits)))
+}
+
 /// A row of the same number in every lane. Plain loops fill rows: a closure may become a call, which a kernel compiled
 /// for wide vectors cannot afford.
 #[inline(always)]

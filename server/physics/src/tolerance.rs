@@ -102,8 +102,8 @@ pub const GRID_CELL_RADII: [f64; 2] = [0.75, 2.5];
 /// Most cells a ball, rounded up to a power of two. Fewer let cells far apart share a list, more cost memory.
 pub const GRID_CELLS_PER_BALL: usize = 2;
 
-/// Gap below which balls count as touching when one of them is hit, in ulps of the largest coordinate there and where its arc
-/// begins.
+/// Gap below which balls count as touching when one of them is hit, in ulps of the largest coordinate there and, on a plane,
+/// where its arc begins.
 pub const TOUCH_ULPS: f64 = 4.0;
 /// The same on a curved floor, m per metre of coordinate: what integration leaves of an exact symmetry. A
 /// larger one would merge hits that are truly apart.

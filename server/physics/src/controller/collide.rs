@@ -202,11 +202,13 @@ impl Controller {
         cluster.pairs.push(pair);
     }
 
-    /// Gap below which things count as touching a ball at `center`, m. Its path is rounded where the arc begins as well.
+    /// Gap below which things count as touching a ball at `center`, m. A parabola is rounded where it begins as well.
     pub(super) fn touch(&self, ball: usize, center: &V3) -> f64 {
-        let size = center.amax().max(self.arcs[ball].center[0].amax());
-        let ulps = TOUCH_ULPS * f64::EPSILON * size;
-        if self.surface.is_flat() { ulps } else { ulps.max(TOUCH_CURVED * (1.0 + size)) }
+        let (size, ulp) = (center.amax(), TOUCH_ULPS * f64::EPSILON);
+        if self.surface.is_flat() {
+            return ulp * size.max(self.arcs[ball].center[0].amax());
+        }
+        (ulp * size).max(TOUCH_CURVED * (1.0 + size))
     }
 
     fn record_all(&mut self, cluster: &Cluster, time: Time) {

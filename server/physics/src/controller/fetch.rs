@@ -12,7 +12,6 @@ use super::approach::Due;
 use crate::detect::broad_phase::Bounds;
 use crate::motion::arc::Arc;
 use crate::motion::step::TERMS;
-use crate::schedule::calendar::Calendar;
 use crate::schedule::event::What;
 use crate::schedule::time::Time;
 use prefetch_index::prefetch_index;
@@ -60,9 +59,7 @@ impl Controller {
         for other in self.queue.finalists() {
             let other = other as usize;
             if other != ball && other < self.balls.len() {
-                self.queue.prefetch(other);
-                self.broad_phase.prefetch(other);
-                prefetch_front(&self.arcs[other], self.surface.is_flat());
+                self.fetch_ball(other);
             }
         }
         if self.work.fetch.pays_far {
@@ -71,9 +68,9 @@ impl Controller {
     }
 
     /// Asks for what is read of those who may hit soon.
-    pub(super) fn fetch_candidates(&self, calendar: &Calendar) {
+    pub(super) fn fetch_candidates(&self) {
         if self.work.fetch.pays {
-            calendar.ahead(|ball| {
+            self.work.foresight.calendar.ahead(|ball| {
                 self.fetch_ball(ball);
                 prefetch_index(self.arcs[ball].state.as_slice(), 0);
                 true

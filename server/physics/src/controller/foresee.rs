@@ -57,7 +57,7 @@ pub(super) struct Foresight {
     /// For each ball the place where a hit of which it is the first was last put.
     place_of: Vec<u8>,
     /// Whose hits may be next.
-    calendar: Calendar,
+    pub(super) calendar: Calendar,
     /// Balls computed at once.
     width: usize,
     /// The place of the hit that is being resolved.
@@ -242,7 +242,7 @@ impl Controller {
         let (mut count, mut balls) = (1, group[0].landed().len());
         let free = self.work.foresight.free.len();
         let rolls = self.balls[group[0].ball].body.rolls;
-        self.fetch_candidates(&self.work.foresight.calendar);
+        self.fetch_candidates();
         self.work.foresight.calendar.ahead(|ball| {
             let Some(hit) = self.due(ball) else { return true };
             let more = hit.landed().len();

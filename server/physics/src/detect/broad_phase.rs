@@ -7,6 +7,7 @@
 
 #![expect(clippy::needless_bitwise_bool, reason = "what cannot be foretold is computed, not jumped over")]
 
+use crate::number::of_few_bits;
 use crate::tolerance::{
     GRID_CELL_RADII, GRID_CELLS_PER_BALL, WINDOW_BITS, WINDOW_FLOOR_SHARE, WINDOW_MAX, WINDOW_MIN,
     WINDOW_TRAVEL,
@@ -34,7 +35,7 @@ pub fn travel(radius: f64, span: f64) -> f64 {
 /// Length of the window of a ball of `speed` that may `travel` so far, s; its acceleration is at most `acceleration`.
 #[inline]
 pub fn window(travel: f64, speed: f64, acceleration: f64) -> f64 {
-    rounded_down(time_of(travel, speed, acceleration)).clamp(WINDOW_MIN, WINDOW_MAX)
+    of_few_bits(time_of(travel, speed, acceleration), WINDOW_BITS).clamp(WINDOW_MIN, WINDOW_MAX)
 }
 
 /// Seconds in which a ball surely travels no farther; without end for one that stays where it is.
@@ -44,12 +45,6 @@ fn time_of(travel: f64, speed: f64, acceleration: f64) -> f64 {
         return travel / speed;
     }
     2.0 * travel / (speed + (speed * speed + 2.0 * acceleration * travel).sqrt())
-}
-
-/// The largest number of [`WINDOW_BITS`] significant bits that is not larger than one that is not negative, infinity included.
-#[inline]
-fn rounded_down(x: f64) -> f64 {
-    f64::from_bits(x.to_bits() & (u64::MAX << (f64::MANTISSA_DIGITS - WINDOW_BITS)))
 }
 
 /// Cells of balls whose radii lie within a factor of two.
@@ -506,7 +501,7 @@ mod tests {
         fn a_window_is_nearly_as_long_as_the_travel_allows_and_no_longer(
             travel in 1e-3..10.0_f64, speed in 1e-3..1e3_f64, acceleration in prop_oneof![Just(0.0), 1e-3..1e3_f64],
         ) {
-            let length = rounded_down(time_of(travel, speed, acceleration));
+            let length = of_few_bits(time_of(travel, speed, acceleration), WINDOW_BITS);
             let far = |t: f64| t * (speed + 0.5 * acceleration * t);
             prop_assert!(far(length) <= travel * (1.0 + 4.0 * f64::EPSILON), "{}", far(length) / travel);
             prop_assert!(far(length * 1.126) > travel, "{}", far(length) / travel);

@@ -3,6 +3,7 @@
 //! Lengths have `LENGTH_BITS` significant bits, so that they are exact fractions of a second. Whether a step is kept depends
 //! on the step alone, never on those before: a run that was saved takes it again.
 
+use crate::number::of_few_bits;
 use crate::tolerance::{GROWTH_MAX, SHRINK_MAX, STEP_MARGIN, STEP_MAX, STEP_MIN};
 
 /// Significant bits of a length: sixteen lengths an octave lose 2 % of a step on average.
@@ -17,17 +18,12 @@ pub fn next(h: f64, allowed: f64, error: f64) -> f64 {
     // What is no number leaves no room.
     let room = if room.is_nan() { 0.0 } else { room };
     let change = (STEP_MARGIN * eighth_root(room)).clamp(SHRINK_MAX, GROWTH_MAX);
-    rounded_down(h * change).clamp(STEP_MIN, STEP_MAX)
+    of_few_bits(h * change, LENGTH_BITS).clamp(STEP_MIN, STEP_MAX)
 }
 
 /// Three square roots, each rounded correctly: a power from a library may differ between machines.
 fn eighth_root(x: f64) -> f64 {
     x.sqrt().sqrt().sqrt()
-}
-
-/// The nearest length of [`LENGTH_BITS`] bits that is not longer.
-fn rounded_down(h: f64) -> f64 {
-    f64::from_bits(h.to_bits() & (u64::MAX << (f64::MANTISSA_DIGITS - LENGTH_BITS)))
 }
 
 #[cfg(test)]
@@ -71,6 +67,6 @@ mod tests {
     fn an_error_that_is_no_number_shrinks_a_step_and_no_error_lengthens_it() {
         assert_eq!(next(0.125, 1e-9, f64::NAN), 0.125 * SHRINK_MAX);
         assert_eq!(next(0.125, 1e-9, f64::INFINITY), 0.125 * SHRINK_MAX);
-        assert_eq!(next(0.125, 1e-9, 0.0), rounded_down(0.125 * GROWTH_MAX));
+        assert_eq!(next(0.125, 1e-9, 0.0), of_few_bits(0.125 * GROWTH_MAX, LENGTH_BITS));
     }
 }

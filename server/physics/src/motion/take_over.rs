@@ -1,7 +1,7 @@
 //! A step of several balls side by side becomes an arc for each.
 //!
 //! Lanes hold one number of every ball, arcs all numbers of one ball. Four rows of lanes at a time are turned over in registers,
-//! and every arc takes its four numbers in one piece: number by number it would be a third of a launch.
+//! and every arc takes its four numbers in one piece: number by number a launch spends much of its time so.
 
 use super::arc::{Arc, Path};
 use super::law::ROLLING;
